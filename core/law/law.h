@@ -1,0 +1,100 @@
+/* Constitutive laws: a table of functions, and instances that own the states of their points.
+ *
+ * A law turns a batch of points' deformation and temperature into stress, heat source, conductivity
+ * and wave modulus.  It never sees the grid; the MPM never sees which law runs.  Its state is a fixed
+ * number of bytes for each point, free of pointers, so that a checkpoint, a message or a copy to a
+ * device is a memcpy. */
+#ifndef TMDEMPM_LAW_LAW_H
+#define TMDEMPM_LAW_LAW_H
+
+#include <stddef.h>
+
+#include "base/field.h"
+#include "scene/scene.h"
+
+/* One call.  All arrays have n entries; entry k belongs to the state slot[k].  Slots are unique in a batch. */
+struct law_batch {
+	int n;
+	const int *slot;
+	const double (*F)[4];  /* deformation gradient after the step, row-major */
+	const double (*L)[4];  /* velocity gradient of the step, 1/s */
+	const double *T;       /* smooth temperature after the step, K */
+	const double *dT;      /* its increment in this step, K */
+	double dt;             /* s */
+	double (*stress)[4];   /* out: xx yy zz xy, Pa, tension-positive */
+	double *heat;          /* out: W/m3 of current volume */
+	double (*conductivity)[3]; /* out: xx yy xy, W/(m K) */
+	double *modulus;       /* out: P-wave modulus, Pa */
+	int failed;            /* out, on failure: the lowest k that failed, else -1 */
+};
+
+/* Energies of one point since its birth (or the last reset), J per m3 of its initial volume.
+ * work = elastic + kinetic + friction + dashpot + bond + discarded - expansion, up to the law's own error. */
+struct law_ledger {
+	double work;      /* of the stress on the strain, as the law itself integrates it */
+	double elastic;   /* stored now, counted from zero force */
+	double kinetic;   /* of fluctuations, now */
+	double friction;  /* turned into heat so far */
+	double dashpot;
+	double bond;
+	double expansion; /* put in by thermal expansion */
+	double discarded; /* dropped with re-seeded or gas states */
+};
+
+/* Counters of a law's run report, summed over its points. */
+struct law_counts {
+	long long disc_steps;  /* discs times sub-steps */
+	long long gas;         /* points in the gas state now */
+	long long frozen;      /* points frozen for slenderness now */
+	long long reseeded;    /* RVEs replaced so far */
+	long long clamped;     /* point-steps in which n_max cut the number of sub-steps */
+	long long rebuilds;    /* neighbour lists built */
+	long long inertia[12]; /* histogram of inertial numbers: < 1e-6, then 2 bins a decade, > 1e-1 */
+};
+
+struct law;
+
+struct law_type {
+	const char *name;
+	const char *doc;
+	const struct field *fields; /* what export() can give, beside stress and heat */
+	int n_fields;
+
+	/* Makes the model and n_points states.  variant[k] in 0..n-1 chooses the packing of point k.
+	 * Sets law->density where the scene leaves it to the law. */
+	int (*create)(struct law *law, const struct scene_law *scene, int n_points, const int *variant);
+	void (*destroy)(struct law *law);
+
+	/* Stress, conductivity and modulus of the states as they are (heat = 0); no time passes. */
+	int (*evaluate)(const struct law *law, struct law_batch *batch);
+
+	/* One step.  Parallel over points inside.  STATUS_GUARD with batch->failed and a message. */
+	int (*advance)(struct law *law, struct law_batch *batch);
+
+	/* Field number f of n states into out[n * components]. */
+	void (*export_field)(const struct law *law, int f, int n, const int *slot, double *out);
+
+	void (*ledger)(const struct law *law, int slot, struct law_ledger *ledger);
+	void (*reset_ledger)(struct law *law, int slot); /* friction, dashpot ... start again from zero */
+	void (*counts)(const struct law *law, struct law_counts *counts); /* may be NULL */
+};
+
+/* An instance: one scene law with its points. */
+struct law {
+	const struct law_type *type;
+	char name[SCENE_NAME];
+	double density;       /* bulk at birth, kg/m3; NAN if the law has no opinion */
+	void *model;          /* parameters; rebuilt from the scene, never saved */
+	int n_points;
+	size_t state_bytes;
+	unsigned char *states; /* n_points * state_bytes, 64-byte aligned; saved as it is */
+};
+
+/* Every law there is, NULL-terminated; `tmdempm info` prints it. */
+extern const struct law_type *const law_types[];
+
+/* Creates the instance for a scene's law. */
+int law_create(struct law **law, const struct scene_law *scene, int n_points, const int *variant);
+void law_free(struct law *law);
+
+#endif

@@ -1,0 +1,97 @@
+/* The frame: what the engine hands to its viewers, and how.
+ *
+ * Viewers live in another process (tmdempm-viewer).  The engine starts it with two inherited descriptors:
+ * an anonymous memory file (memfd) that holds a ring of slots, and a SOCK_SEQPACKET socket for short
+ * messages.  Nothing has a name in the system, so nothing outlives the two processes.
+ *
+ * A slot holds one frame: struct frame_header, n_channels struct frame_channel, n_arrays struct
+ * frame_array, then the arrays' data at their offsets (64-byte aligned), so that a reader can wrap them
+ * without a copy.  Both sides are built together: the structs are the format (FRAME_VERSION guards it). */
+#ifndef TMDEMPM_RUN_FRAME_H
+#define TMDEMPM_RUN_FRAME_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum { FRAME_NAME = 64, FRAME_UNIT = 16, FRAME_VERSION = 1, FRAME_MAGIC = 0x50444d54 };
+
+enum frame_type { FRAME_F64 = 1, FRAME_F32, FRAME_I32, FRAME_I64, FRAME_U8 };
+enum frame_location { FRAME_POINT = 0, FRAME_CELL = 1, FRAME_GEOMETRY = 2 };
+enum frame_kind {
+	FRAME_VERTICES = 1, /* one vertex for each point */
+	FRAME_QUADS,        /* 4 consecutive points make a quad */
+	FRAME_SEGMENTS,     /* 2 consecutive points make a line */
+	FRAME_POLYLINES,    /* array "offsets" (I32, cells + 1) cuts the points into lines */
+	FRAME_IMAGE         /* regular grid of nodes: dims, origin, spacing */
+};
+
+struct frame_array {
+	char name[FRAME_NAME];
+	char unit[FRAME_UNIT];
+	int32_t channel;    /* index */
+	int32_t location;   /* enum frame_location; geometry: "coordinates" (F64, 3), "offsets" */
+	int32_t type;       /* enum frame_type */
+	int32_t components; /* 1, 3, 6 (xx yy zz xy yz xz) */
+	int64_t count;      /* tuples */
+	int64_t offset;     /* bytes from the start of the slot */
+};
+
+struct frame_channel {
+	char name[FRAME_NAME]; /* points, domains, grid, walls, rve_NAME_discs, rve_NAME_contacts */
+	int32_t kind;          /* enum frame_kind */
+	int32_t pad;
+	int64_t n_points, n_cells;
+	int32_t dims[2];       /* FRAME_IMAGE: nodes in x and y */
+	double origin[2], spacing[2]; /* m */
+	double cell_matrix[4]; /* RVE channels: H, columns are the lattice vectors, m; else 0 */
+	char note[256];        /* RVE channels: "p = 9.8 kPa, e = 0.243 ..." ; else "" */
+};
+
+struct frame_header {
+	uint32_t magic, version;
+	int64_t step;
+	double time; /* s */
+	int64_t bytes; /* used in this slot */
+	int32_t n_channels, n_arrays;
+	char temperature_unit[4]; /* "C" or "K": temperature arrays are in it already */
+	char title[256];
+};
+
+/* One picture that a scene asks for; sent once, when the viewer starts. */
+struct frame_image {
+	char name[FRAME_NAME];
+	int32_t kind;          /* 0 points (domains, walls, grid), 1 RVE */
+	char field[FRAME_NAME];
+	int32_t component;     /* -1 magnitude or scalar */
+	char rve[FRAME_NAME];
+	double view[4];        /* m: xmin ymin xmax ymax */
+	int32_t size[2];       /* pixels */
+	char map[FRAME_NAME];  /* viridis, inferno, coolwarm */
+	int32_t range_auto;
+	double range[2];
+};
+
+/* Messages (one packet each).  Engine to viewer: IMAGES (then n struct frame_image), DRAW, QUIT.
+ * Viewer to engine: READY, DONE (slot is free again), FAILED (text). */
+enum frame_message_kind {
+	FRAME_MSG_IMAGES = 1, FRAME_MSG_DRAW, FRAME_MSG_QUIT,
+	FRAME_MSG_READY = 100, FRAME_MSG_DONE, FRAME_MSG_FAILED, FRAME_MSG_LOG
+};
+
+struct frame_message {
+	int32_t kind;
+	int32_t slot;           /* DRAW, DONE */
+	int64_t offset, bytes;  /* DRAW: where in the memory file the slot lies */
+	int32_t image;          /* DRAW: index into the images; -1 = none (other sinks) */
+	int32_t n;              /* IMAGES: how many */
+	char text[1024];        /* DRAW: path of the PNG; FAILED, LOG: message */
+};
+
+#ifdef __cplusplus
+}
+#endif
+#endif

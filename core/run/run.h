@@ -1,0 +1,25 @@
+/* The driver: builds a run from a scene, steps it, writes everything, survives everything. */
+#ifndef TMDEMPM_RUN_RUN_H
+#define TMDEMPM_RUN_RUN_H
+
+#include <stdbool.h>
+
+struct run_options {
+	const char *scene_path;
+	int n_sets;
+	const char *const *sets;  /* path=value */
+	const char *out;          /* folder; NULL = NAME.out beside the working directory */
+	int threads;              /* 0 = all */
+	const char *device;       /* "cpu" */
+	const char *restart;      /* checkpoint file or NULL */
+	double until;             /* s, NAN = the scene's end */
+	bool quiet, force;
+};
+
+/* Runs a scene to its end; returns a status (exit code). */
+int run_scene(const struct run_options *options);
+
+/* `tmdempm check`. */
+int run_check(const char *scene_path, int n_sets, const char *const *sets);
+
+#endif

@@ -1,0 +1,122 @@
+/* The representative volume: a periodic cell of ~400 discs that is the constitutive law of a point.
+ *
+ * An RVE's state is plain data of a fixed size (rve_state_bytes), without pointers.  rve_advance() is
+ * the one hot function.  Equations and decisions: TM-DEMPM sections 3 and 4; see kernel.h.
+ * Stress is tension-positive, (xx, yy, zz, xy) in Pa; L is row-major, 1/s. */
+#ifndef TMDEMPM_RVE_RVE_H
+#define TMDEMPM_RVE_RVE_H
+
+#include <stddef.h>
+
+struct rve_packing; /* packing.h */
+struct rve_model;   /* parameters and start packings of all RVEs of one law; read-only once made */
+
+struct rve_params {
+	double kn, ks;          /* N/m */
+	double mu;              /* - */
+	double damping_ratio;   /* zeta of the normal dashpot */
+	double grain_density;   /* kg/m3 */
+	double thickness;       /* z, m */
+	double expansion;       /* beta, 1/K, eq. 37 */
+	double resistance;      /* kappa, K/(W m), eq. 34 */
+	double step_factor;     /* dt_DEM / sqrt(m_min/kn) */
+	double strain_per_step; /* deps_max at 100 kPa */
+	int pressure_scaling;   /* deps = deps_max min(1, sqrt(p/100 kPa)), not below deps_max/10 */
+	int n_max;              /* most sub-steps in one call; 0 = no clamp */
+	double skin;            /* Verlet skin / r_max */
+	int gas;                /* gas state on */
+	double gas_pressure;    /* Pa */
+	double gas_stretch;     /* J / J_ref */
+	double overlap_max;     /* guard: overlap / smaller radius */
+};
+
+/* TM-DEMPM table 1 and the decisions of the design. */
+void rve_params_default(struct rve_params *params);
+
+/* A model from n packings of equal disc count (variants).  Copies what it needs. */
+int rve_model_create(struct rve_model **model, const struct rve_params *params, int n, const struct rve_packing *const *packings);
+void rve_model_free(struct rve_model *model);
+
+size_t rve_state_bytes(const struct rve_model *model);
+int rve_discs(const struct rve_model *model);
+double rve_void_ratio(const struct rve_model *model, int variant); /* of the start packing */
+double rve_time_step(const struct rve_model *model);               /* dt_DEM, s */
+
+/* Puts the start state of packing `variant` into `state` (64-byte aligned, rve_state_bytes). */
+int rve_init(const struct rve_model *model, int variant, void *state);
+
+struct rve_batch {
+	int n;
+	unsigned char *states; /* base; state k begins at states + slot[k] * rve_state_bytes */
+	const int *slot;       /* NULL = 0, 1, 2 ... */
+	const double (*L)[4];  /* 1/s */
+	const double *dT;      /* temperature increment of this call, K */
+	double dt;             /* macroscopic duration, s: exp(L dt) is applied over N sub-steps of dt_DEM */
+	double (*stress)[4];       /* out */
+	double *heat;              /* out: friction heat, W/m3 of current volume */
+	double (*conductivity)[3]; /* out: xx yy xy, W/(m K) */
+	double *modulus;           /* out: P-wave modulus from the affine elastic tensor, Pa */
+	int failed;                /* out: lowest k that failed, or -1 */
+};
+
+/* Advances every RVE of the batch (OpenMP, dynamic).  The bits depend on nothing but the states and
+ * the batch.  STATUS_GUARD (overlap, NaN) names the RVE in the message and sets batch->failed. */
+int rve_advance(const struct rve_model *model, struct rve_batch *batch);
+
+/* Stress, conductivity and modulus of a state as it is. */
+void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3], double *modulus);
+
+/* Scalars of one state. */
+enum rve_flag { RVE_GAS = 1, RVE_FROZEN = 2 };
+
+struct rve_info {
+	double H[4];         /* m, columns are the lattice vectors */
+	double volume;       /* m3, det(H) z */
+	double volume0;      /* m3, of the start packing */
+	double F[4];         /* accumulated deformation gradient */
+	double temperature;  /* K, change from the reference */
+	double void_ratio;
+	double coordination; /* 2 contacts / discs */
+	double sliding_fraction; /* contacts at the Coulomb limit in the last sub-step */
+	double bond_fraction;    /* intact / installed; 0 without bonds */
+	double pressure;         /* Pa */
+	double max_overlap;      /* overlap / smaller radius */
+	double elastic_tensor[6]; /* affine: xxxx yyyy xxyy xyxy xxxy yyxy, Pa (eq. 58) */
+	int n_contacts;
+	int sub_steps;       /* of the last advance */
+	double inertial_number;
+	int flags;           /* enum rve_flag */
+	int variant;
+	int reseeded, rebuilds, clamped; /* so far */
+	long long total_sub_steps;
+	/* ledgers, J of the cell with its z, since birth or reset */
+	double work, elastic, kinetic, friction, dashpot, bond, expansion, discarded;
+};
+
+void rve_get_info(const struct rve_model *model, const void *state, struct rve_info *info);
+void rve_reset_ledger(const struct rve_model *model, void *state);
+
+/* For pictures and files.  Positions are absolute, m, discs wrapped into the cell. */
+struct rve_disc {
+	double x, y, radius;
+	double displacement[2]; /* non-affine, since the start packing, m; without the cell's motion */
+	double rotation;        /* rad, relative to the macroscopic spin */
+	int contacts;
+};
+
+struct rve_contact {
+	int i, j;              /* discs */
+	int shift[2];          /* j's image: x_j + H shift touches i */
+	double ends[2][2];     /* m: centre of i, centre of j's image */
+	double normal_force;   /* N, compression positive */
+	double tangential_force; /* N */
+	double mobilisation;   /* |f_t| / (mu f_n), 0..1 */
+	int sliding, bond;     /* bond: 0 none, 1 intact, 2 broken */
+};
+
+/* Fills discs[rve_discs()] and at most `capacity` contacts; returns the number of contacts.
+ * Either pointer may be NULL. */
+int rve_inspect(const struct rve_model *model, const void *state, struct rve_disc *discs, struct rve_contact *contacts, int capacity);
+int rve_contact_capacity(const struct rve_model *model);
+
+#endif

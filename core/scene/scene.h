@@ -1,0 +1,289 @@
+/* The scene: everything that a scenario file says, validated, in SI units and kelvin.
+ *
+ * scene_load() reads a libconfig file (with `base`/`set` variants, `@include`, `--set` overrides),
+ * checks it whole and returns plain data; nothing else in the program sees libconfig.  Every key with
+ * its default, unit and meaning stands in scenarios/reference.cfg; the table that drives both the
+ * parser and the checks is in keys.c.
+ *
+ * Quantities that a scene may leave out are NAN (doubles) or stated otherwise beside the field. */
+#ifndef TMDEMPM_SCENE_SCENE_H
+#define TMDEMPM_SCENE_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { SCENE_NAME = 64, SCENE_PATH = 1024 };
+
+/* Where in which file a thing was said, for messages that can only be given later. */
+struct scene_place {
+	const char *file; /* owned by the scene; "--set" for an override */
+	int line;
+};
+
+struct scene_units {
+	bool celsius; /* the scene speaks in degrees Celsius; inside, everything is kelvin */
+};
+
+struct scene_grid {
+	double origin[2]; /* m, lower left node */
+	double size[2];   /* m, a whole number of cells */
+	double cell;      /* m, square cells */
+	double thickness; /* m out of plane, default 1 */
+};
+
+struct scene_time {
+	double end;         /* s */
+	double step;        /* s, fixed */
+	double step_factor; /* b of eq. 30: a step above b h sqrt(rho/M) is refused; default 1 */
+	int thermal_steps;  /* > 1: thermal sub-steps in each mechanical step; default 1 */
+	int thermal_every;  /* > 1: one thermal step every so many mechanical steps; default 1 */
+};
+
+struct scene_mpm {
+	char shape[SCENE_NAME];    /* "ugimp" (default), "linear": names of the table shapes[] */
+	char transfer[SCENE_NAME]; /* "flip" (default) */
+	char order[SCENE_NAME];    /* "usl" (default) */
+	double pic_fraction;       /* alpha_PIC, fraction per step, eqs. 25-27; default 0 */
+	double damping_particle;   /* alpha_p, 1/s; default 0 */
+	double damping_grid;       /* alpha_g, 1/s; default 0 */
+	double confining_pressure; /* Pa; sigma + p_c I in the internal force (methods-mpm); default 0 */
+};
+
+struct scene_thermal {
+	bool on;            /* default: true if anything in the scene needs heat; false = no thermal pass */
+	bool friction_heat; /* RVE friction heats the points; default true */
+};
+
+/* ---- laws ---- */
+
+enum scene_law_type { SCENE_LAW_THERMOELASTIC, SCENE_LAW_RVE };
+
+struct scene_law_thermoelastic {
+	double young;     /* Pa */
+	double poisson;   /* - */
+	double expansion; /* 1/K, linear */
+	bool plane_stress; /* default false: plane strain */
+};
+
+/* How to make (or where to find) the packing of an RVE law; see rve/packing.h. */
+struct scene_packing {
+	char file[SCENE_PATH]; /* .h5 or .csv, resolved relative to the scene's file; "" = generate */
+	char lattice[SCENE_NAME]; /* "" = random; "square" = noise-free square lattice */
+	int discs;             /* 400 */
+	double radius_min, radius_max; /* m, uniform; 0.25e-3, 0.5e-3 */
+	double pressure;       /* Pa, isotropic consolidation */
+	double mu;             /* friction during consolidation */
+	double void_ratio;     /* NAN, or the target (mu found by bisection) */
+	unsigned seed;         /* 1 */
+};
+
+struct scene_law_rve {
+	struct scene_packing packing;
+	double kn, ks;              /* N/m; 1e6 each */
+	double mu;                  /* 0.5 */
+	double damping_ratio;       /* zeta; 0.2 */
+	double grain_density;       /* kg/m3; 2650 */
+	double disc_thickness;      /* z, m; 0.075 */
+	double expansion;           /* beta, 1/K; 1e-4 */
+	double resistance;          /* kappa, K/(W m); 1e4 */
+	double step_factor;         /* dt_DEM = factor sqrt(m_min/kn); 0.4 */
+	double strain_per_step;     /* deps_max at 100 kPa; 5e-5 */
+	bool pressure_scaling;      /* deps = deps_max min(1, sqrt(p/100 kPa)), >= deps_max/10; true */
+	int n_max;                  /* 20; 0 = no clamp */
+	double skin;                /* Verlet skin / r_max; 0.2 */
+	bool gas;                   /* free-flying points cost nothing; true */
+	double gas_pressure;        /* 20 Pa */
+	double gas_stretch;         /* 1.12 */
+	double overlap_max;         /* guard: overlap / smaller radius; 0.3 */
+};
+
+struct scene_law {
+	char name[SCENE_NAME];
+	enum scene_law_type type;
+	struct scene_law_thermoelastic thermoelastic;
+	struct scene_law_rve rve;
+	struct scene_place place;
+};
+
+struct scene_material {
+	char name[SCENE_NAME];
+	int law;              /* index into laws */
+	double density;       /* bulk, kg/m3; NAN = from the RVE: grain density / (1 + e) */
+	double heat_capacity; /* J/(kg K); NAN where there is no heat */
+	double conductivity;  /* W/(m K); NAN = from the law */
+	double reference_temperature; /* K, where thermal strain is zero; NAN = the body's temperature */
+	struct scene_place place;
+};
+
+/* ---- bodies ---- */
+
+struct scene_layer {
+	double top;         /* m, upper y of this layer; layers from the bottom up */
+	int material;
+	double temperature; /* K */
+};
+
+struct scene_body {
+	char name[SCENE_NAME];
+	int material;
+	int n_vertices;          /* a box is given as its 4 vertices */
+	double (*vertices)[2];   /* m, counter-clockwise after loading */
+	double lattice_origin[2];/* m; NAN = the grid's origin: points sit at (i + 1/2) cell/side from here */
+	int points_per_cell;     /* 1, 4, 9, 16 */
+	double temperature;      /* K */
+	double velocity[2];      /* m/s */
+	int variants;            /* packings with seeds seed .. seed+n-1 dealt out in turn; 1 */
+	int n_layers;
+	struct scene_layer *layers; /* empty: one material */
+	struct scene_place place;
+};
+
+/* ---- walls: rigid, nodal, unilateral (methods-mpm, Boundaries) ---- */
+
+enum scene_wall_shape { SCENE_WALL_LINE, SCENE_WALL_POLYGON };
+enum scene_wall_contact {
+	SCENE_WALL_FRICTIONAL, /* unilateral with Coulomb friction */
+	SCENE_WALL_SLIP,       /* normal velocity tied both ways, tangent free */
+	SCENE_WALL_STICK       /* both components tied */
+};
+
+struct scene_wall {
+	char name[SCENE_NAME];
+	enum scene_wall_shape shape; /* boxes and wedges are loaded as polygons */
+	int n_vertices;
+	double (*vertices)[2];  /* m; a line's solid lies on the right of first -> second; a polygon's inside (CCW) */
+	double depth;           /* m, of a line's solid behind it; default 2 cells */
+	enum scene_wall_contact contact;
+	double friction;        /* 0 */
+	double velocity[2];     /* m/s; the wall moves with it */
+	double temperature;     /* K; NAN = insulating */
+	double heat_share;      /* share of wall friction that heats the material; 0..1, default 0 */
+	double from, until;     /* s; active in [from, until); 0, infinity */
+	struct scene_place place;
+};
+
+/* Values imposed on nodes (velocity, temperature) or a flux on points inside a box. */
+struct scene_boundary {
+	char name[SCENE_NAME];
+	double min[2], max[2]; /* m, a box; nodes within 1e-9 cell of it count */
+	double velocity[2];    /* m/s, each NAN = free */
+	double temperature;    /* K; NAN = free */
+	double flux;           /* W/m2 into the material; NAN = none; spread over `layer` */
+	double layer;          /* m, thickness over which the flux enters (virtual layer, eq. 10); default one cell */
+	double from, until;    /* s */
+	struct scene_place place;
+};
+
+/* ---- stages ---- */
+
+struct scene_stage {
+	char name[SCENE_NAME];
+	double duration;     /* s; the last may be infinite (until time.end) */
+	double damping;      /* 1/s, added to the particle damping */
+	int n_walls;         /* -1 = all walls; else only these (within their from/until) */
+	int *walls;
+	bool then_zero_velocity, then_zero_ledger; /* `then = [...]`, done when the stage ends */
+	struct scene_place place;
+};
+
+/* ---- what is recorded ---- */
+
+enum scene_probe_kind { SCENE_PROBE_ID, SCENE_PROBE_AT, SCENE_PROBE_MATERIAL };
+
+struct scene_probe {
+	char name[SCENE_NAME];
+	enum scene_probe_kind kind;
+	long id;       /* SCENE_PROBE_ID: the point's id */
+	double at[2];  /* m: fixed place (AT), or place in the initial body (MATERIAL) */
+	struct scene_place place;
+};
+
+struct scene_region {
+	char name[SCENE_NAME];
+	double min[2], max[2]; /* m */
+	struct scene_place place;
+};
+
+/* An RVE to be watched: written to files, its path recorded, drawn. */
+struct scene_inspect {
+	char name[SCENE_NAME];
+	long id;       /* -1 = nearest to `at` in the initial body */
+	double at[2];
+	struct scene_place place;
+};
+
+struct scene_output {
+	double history_every;    /* s of simulated time; default end/200 */
+	double snapshot_every;   /* s; default end/20; 0 = none */
+	double checkpoint_every; /* s of simulated time; default end/10; 0 = only at the end */
+	bool vtk;                /* .vtp/.vti/.pvd beside each snapshot; true */
+	bool rve_states_all;     /* output.rve_states = "all"; default "inspected" */
+};
+
+enum scene_image_kind { SCENE_IMAGE_POINTS, SCENE_IMAGE_RVE };
+
+struct scene_image {
+	char name[SCENE_NAME];
+	enum scene_image_kind kind;
+	char field[SCENE_NAME];    /* a name of the field table; RVE: "displacement", "rotation", "coordination", "radius" */
+	int component;             /* -1 = magnitude (or the scalar itself), else 0.. */
+	char rve[SCENE_NAME];      /* name in `inspect` */
+	double view[4];            /* m: xmin ymin xmax ymax; NAN = the grid */
+	int size[2];               /* pixels */
+	char map[SCENE_NAME];      /* "viridis", "inferno", "coolwarm" (diverging) */
+	bool range_auto;           /* true: from the data at each image */
+	double range[2];           /* in the scene's unit */
+	char unit[SCENE_NAME];     /* "" = the field's */
+	double every;              /* s; default output.snapshot_every */
+	struct scene_place place;
+};
+
+struct scene_guards {
+	double energy_residual; /* share of the work done that the residual may reach; 0 = off; default 0.1 */
+	double overlap;         /* kept in the law: overlap_max */
+	bool points_leaving;    /* true: a point leaving the grid stops the run */
+};
+
+struct scene {
+	char path[SCENE_PATH];  /* the file as given */
+	char *text;             /* the scene as it was read, bases and overrides applied: valid libconfig */
+	char title[256];
+	struct scene_units units;
+	struct scene_grid grid;
+	struct scene_time time;
+	struct scene_mpm mpm;
+	struct scene_thermal thermal;
+	double gravity[2];      /* m/s2 */
+	int n_laws, n_materials, n_bodies, n_walls, n_boundaries, n_stages;
+	struct scene_law *laws;
+	struct scene_material *materials;
+	struct scene_body *bodies;
+	struct scene_wall *walls;
+	struct scene_boundary *boundaries;
+	struct scene_stage *stages;
+	int n_probes, n_regions, n_inspect, n_images;
+	struct scene_probe *probes;
+	struct scene_region *regions;
+	struct scene_inspect *inspect;
+	struct scene_image *images;
+	struct scene_output output;
+	struct scene_guards guards;
+	void *storage; /* private: strings and arrays live here */
+};
+
+/* Reads and checks a scene.  `sets` are n `path=value` overrides, applied last, in order.
+ * On failure returns STATUS_INPUT and leaves *scene NULL; all messages (one a line,
+ * `file:line: what is wrong, expected what`) have been written to `errors` (a FILE *).
+ * STATUS_RESOURCE if a file cannot be read. */
+int scene_load(struct scene **scene, const char *path, int n_sets, const char *const *sets, void *errors);
+
+void scene_free(struct scene *scene);
+
+/* K -> the scene's unit, and back. */
+double scene_temperature_out(const struct scene *scene, double kelvin);
+double scene_temperature_in(const struct scene *scene, double value);
+
+/* "C" or "K". */
+const char *scene_temperature_unit(const struct scene *scene);
+
+#endif
