@@ -50,9 +50,9 @@ int csv_cut(const char *path, double last);
 struct csv_table {
 	char *path;
 	int columns, rows;
-	char **names;    /* [columns] header cells as they stand, or NULL if the file has none */
-	double *values;  /* [rows][columns] */
-	int *lines;      /* [rows] line of each row in the file, for messages */
+	char **names;   /* [columns] header cells as they stand, or NULL if the file has none */
+	double *values; /* [rows][columns] */
+	int *lines;     /* [rows] line of each row in the file, for messages */
 	int n_comments;
 	char **comments; /* text after `#`, without line end */
 	int *comment_lines;

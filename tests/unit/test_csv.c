@@ -80,7 +80,8 @@ static int remove_folder(void **state)
 static void numbers_keep_their_bits(void **state)
 {
 	(void)state;
-	const double values[] = {0.1, -1.0 / 3.0, 5e-324, 1.7976931348623157e308, -0.0, INFINITY, NAN, 123456789012345678.0};
+	const double values[] = {0.1,  -1.0 / 3.0, 5e-324, 1.7976931348623157e308,
+							 -0.0, INFINITY,   NAN,    123456789012345678.0};
 	enum { N = sizeof values / sizeof *values };
 	const char *path = in_folder("numbers.csv");
 	struct csv_writer *w;
@@ -202,7 +203,8 @@ static void rows_are_there_when_they_end_and_can_be_cut(void **state)
 		assert_int_equal(csv_end_row(w), 0);
 	}
 	csv_number(w, 0.4); /* a row that has not ended is not in the file */
-	assert_string_equal(contents(path), "time [s]\r\n0.10000000000000001\r\n0.20000000000000001\r\n0.30000000000000004\r\n");
+	assert_string_equal(contents(path),
+						"time [s]\r\n0.10000000000000001\r\n0.20000000000000001\r\n0.30000000000000004\r\n");
 	assert_int_equal(csv_sync(w), 0);
 	csv_abandon(w);
 
