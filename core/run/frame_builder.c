@@ -64,7 +64,8 @@ void frame_builder_free(struct frame_builder *builder)
 	free(builder);
 }
 
-void frame_begin(struct frame_builder *builder, int64_t step, double time, const char *title, const char *temperature_unit)
+void frame_begin(struct frame_builder *builder, int64_t step, double time, const char *title,
+				 const char *temperature_unit)
 {
 	builder->header = (struct frame_header){.magic = FRAME_MAGIC, .version = FRAME_VERSION, .step = step, .time = time};
 	name_copy(builder->header.title, sizeof builder->header.title, title);
@@ -74,7 +75,7 @@ void frame_begin(struct frame_builder *builder, int64_t step, double time, const
 }
 
 struct frame_channel *frame_channel_add(struct frame_builder *builder, const char *name, int kind, int64_t n_points,
-					int64_t n_cells)
+										int64_t n_cells)
 {
 	struct frame_channel *channel = block_grow(&builder->channels, sizeof *channel);
 	if (!channel) {
@@ -90,7 +91,7 @@ struct frame_channel *frame_channel_add(struct frame_builder *builder, const cha
 }
 
 void *frame_array_add(struct frame_builder *builder, const char *name, const char *unit, int location, int type,
-		      int components, int64_t count)
+					  int components, int64_t count)
 {
 	int64_t bytes = frame_type_bytes(type) * (int64_t)components * count;
 	int64_t offset = (int64_t)builder->data.size; /* of the data block; frame_finish() adds where that begins */

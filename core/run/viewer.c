@@ -1,6 +1,8 @@
 /* Starts, feeds, watches and buries tmdempm-viewer.  Whatever the viewer does (abort, hang, kill -9), the
  * engine goes on; however the engine ends, the viewer ends with it (PR_SET_PDEATHSIG, and end of file on the
  * socket). */
+#define _GNU_SOURCE /* memfd_create, close_range, fallocate */
+
 #include "run/viewer.h"
 
 #include <errno.h>
@@ -49,10 +51,10 @@ struct viewer {
 	int64_t memory_bytes;
 	struct slot slots[N_SLOTS];
 	long long n_draws;
-	int n_failed; /* pictures asked for and not made */
+	int n_failed;                         /* pictures asked for and not made */
 	int n_failures, failures[N_FAILURES]; /* kinds seen; each is forgiven once */
 	bool ready;
-	char given_up[1024]; /* why, "" = still at work */
+	char given_up[1024];    /* why, "" = still at work */
 	double timeout, waited; /* s */
 	char notice[NOTICE], notice_out[NOTICE];
 };
@@ -136,7 +138,8 @@ static int slot_fit(struct viewer *viewer, struct slot *slot, int64_t bytes)
 	/* Reserved now: a full memory is an error here instead of a SIGBUS in the copy. */
 	int failure = posix_fallocate(viewer->memory, viewer->memory_bytes, capacity);
 	if (failure)
-		return error_set(STATUS_RESOURCE, "no memory for a frame of %lld bytes: %s", (long long)bytes, strerror(failure));
+		return error_set(STATUS_RESOURCE, "no memory for a frame of %lld bytes: %s", (long long)bytes,
+						 strerror(failure));
 	void *map = mmap(NULL, (size_t)capacity, PROT_READ | PROT_WRITE, MAP_SHARED, viewer->memory, viewer->memory_bytes);
 	if (map == MAP_FAILED)
 		return error_set(STATUS_RESOURCE, "cannot map a frame of %lld bytes: %s", (long long)bytes, strerror(errno));
@@ -401,7 +404,7 @@ static int viewer_launch(struct viewer *viewer)
 	char how[256];
 	failure_describe(kind, how, sizeof how);
 	return error_set(STATUS_RESOURCE, "the viewer %s %s at its start (see %s)", viewer->program, how,
-			 viewer->log_path ? viewer->log_path : "its messages");
+					 viewer->log_path ? viewer->log_path : "its messages");
 }
 
 static int viewer_give_up(struct viewer *viewer)
@@ -488,7 +491,7 @@ static void viewer_free(struct viewer *viewer)
 }
 
 static int viewer_create(struct viewer **out, const char *program, int n_images, const struct frame_image *images,
-			 const char *log_path)
+						 const char *log_path)
 {
 	struct viewer *viewer = calloc(1, sizeof *viewer);
 	if (!viewer)
@@ -514,9 +517,9 @@ int viewer_start(struct viewer **viewer, int n_images, const struct frame_image 
 	const char *program = viewer_program();
 	if (!program)
 		return error_set(STATUS_RESOURCE, "pictures need tmdempm-viewer, which is not there: install paraview-dev, "
-						  "python3-paraview and xvfb and build with -DTMDEMPM_INSITU=ON (or name "
-						  "it in TMDEMPM_VIEWER)");
-	struct viewer *made;
+										  "python3-paraview and xvfb and build with -DTMDEMPM_INSITU=ON (or name "
+										  "it in TMDEMPM_VIEWER)");
+	struct viewer *made = NULL;
 	CHECK(viewer_create(&made, program, n_images, images, log_path));
 	int status = memory_create(made);
 	if (status == STATUS_OK)
