@@ -11,6 +11,8 @@ enum { CHECKPOINT_VERSION = 1 };
 /* The bits of a state depend on the text that computed it: a state of one path goes on on that path. */
 static const char code_path[] = "cpu, serial kernel, double";
 
+const char *checkpoint_code_path(void) { return code_path; }
+
 static hid_t checkpoint_type(char type)
 {
 	switch (type) {
@@ -109,8 +111,8 @@ static int checkpoint_compare(hid_t file, const char *path, const struct scene *
 	free(text);
 	if (same)
 		return STATUS_OK;
-	return error_set(STATUS_INPUT, "%s does not belong to this scene: %s; a restart may change time.end, output, images, "
-	                 "probes and inspect only", path, what);
+	return error_set(STATUS_INPUT, "%s does not belong to this scene: %s; a restart may change time.end, output, images "
+	                 "and inspect only", path, what);
 }
 
 int checkpoint_check_scene(const char *path, const struct scene *scene)

@@ -28,7 +28,7 @@ struct history {
 	struct probe *probes;
 	double **columns; /* [fields][n * components], only with probes */
 	bool rve;         /* some law has RVEs: their ledgers are columns */
-	struct history_memory memory;
+	struct history_memory *memory;
 };
 
 static bool history_ids(const struct scene_probe *probe) { return probe->kind != SCENE_PROBE_AT; }
@@ -192,15 +192,15 @@ static int history_header(struct history *history)
 static void history_regions(struct history *history, bool scheduled)
 {
 	const struct mpm *mpm = history->mpm;
-	double elapsed = mpm->time - history->memory.time;
+	double elapsed = mpm->time - history->memory->time;
 	for (int r = 0; r < mpm->scene->n_regions; r++) {
 		struct mpm_region_values values;
 		mpm_region(mpm, &mpm->scene->regions[r], &values);
 		csv_number(history->csv, values.mass);
-		csv_number(history->csv, elapsed > 0 ? (history->memory.region_mass[r] - values.mass) / elapsed : 0.0);
+		csv_number(history->csv, elapsed > 0 ? (history->memory->region_mass[r] - values.mass) / elapsed : 0.0);
 		csv_number(history->csv, scene_temperature_out(mpm->scene, values.temperature));
 		if (scheduled)
-			history->memory.region_mass[r] = values.mass;
+			history->memory->region_mass[r] = values.mass;
 	}
 }
 
@@ -246,13 +246,11 @@ int history_row(struct history *history, bool scheduled)
 	for (int i = 0; i < mpm->scene->n_probes; i++)
 		history_probe(history, i);
 	if (scheduled)
-		history->memory.time = mpm->time;
+		history->memory->time = mpm->time;
 	return csv_end_row(history->csv);
 }
 
 int history_sync(struct history *history) { return csv_sync(history->csv); }
-
-struct history_memory *history_memory(struct history *history) { return &history->memory; }
 
 /* ---- life ---- */
 
@@ -261,10 +259,6 @@ static int history_allocate(struct history *history)
 	const struct mpm *mpm = history->mpm;
 	for (int l = 0; l < mpm->n_laws; l++)
 		history->rve |= mpm->laws[l]->type->rve_view != NULL;
-	history->memory.time = NAN;
-	history->memory.region_mass = calloc((size_t)mpm->scene->n_regions + 1, sizeof(double));
-	if (!history->memory.region_mass)
-		return error_set(STATUS_RESOURCE, "out of memory");
 	CHECK(probes_create(history));
 	if (mpm->scene->n_probes == 0)
 		return STATUS_OK;
@@ -278,7 +272,21 @@ static int history_allocate(struct history *history)
 	return history->columns ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory");
 }
 
-int history_create(struct history **result, const char *path, const struct mpm *mpm, struct run_fields *fields, bool append)
+int history_memory_create(struct history_memory *memory, int n_regions)
+{
+	memory->time = NAN;
+	memory->region_mass = calloc((size_t)n_regions + 1, sizeof(double));
+	return memory->region_mass ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory");
+}
+
+void history_memory_free(struct history_memory *memory)
+{
+	free(memory->region_mass);
+	memory->region_mass = NULL;
+}
+
+int history_create(struct history **result, const char *path, const struct mpm *mpm, struct run_fields *fields,
+                   struct history_memory *memory, bool append)
 {
 	*result = NULL;
 	struct history *history = calloc(1, sizeof *history);
@@ -286,7 +294,10 @@ int history_create(struct history **result, const char *path, const struct mpm *
 		return error_set(STATUS_RESOURCE, "out of memory");
 	history->mpm = mpm;
 	history->fields = fields;
+	history->memory = memory;
 	int status = history_allocate(history);
+	if (status == STATUS_OK && append)
+		status = csv_cut(path, memory->time);
 	if (status == STATUS_OK)
 		status = csv_open(&history->csv, path, append);
 	if (status == STATUS_OK && !append)
@@ -312,7 +323,6 @@ int history_close(struct history *history)
 		free(history->columns[f]);
 	free(history->columns);
 	free(history->probes);
-	free(history->memory.region_mass);
 	free(history);
 	return status;
 }

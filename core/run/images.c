@@ -98,6 +98,14 @@ static int images_remember(struct images *images, const char *file)
 	return images->files[images->n] ? (images->n++, STATUS_OK) : error_set(STATUS_RESOURCE, "out of memory");
 }
 
+/* What the viewer has to tell goes to the log. */
+static void images_notices(struct images *images)
+{
+	const char *notice;
+	while (images->viewer && (notice = viewer_notice(images->viewer)))
+		log_warning(images->log, "viewer: %s", notice);
+}
+
 static int image_draw(struct images *images, const void *frame, int64_t bytes, int i, long long step)
 {
 	char name[SCENE_NAME + 48], path[FILE_PATH];
@@ -115,6 +123,19 @@ void images_draw(struct images *images, const void *frame, int64_t bytes, long l
 		log_warning(images->log, "no more pictures: %s", error_message());
 		images_finish(images);
 	}
+	images_notices(images);
+}
+
+void images_flush(struct images *images)
+{
+	if (!images->viewer)
+		return;
+	int status = viewer_flush(images->viewer);
+	images_notices(images);
+	if (status != STATUS_OK) {
+		log_warning(images->log, "no more pictures: %s", error_message());
+		images_finish(images);
+	}
 }
 
 double images_waited(const struct images *images)
@@ -126,8 +147,10 @@ void images_finish(struct images *images)
 {
 	if (!images || !images->viewer)
 		return;
-	double start = clock_seconds();
 	images->waited += viewer_waited(images->viewer);
+	double start = clock_seconds();
+	viewer_flush(images->viewer); /* what fails here is counted by viewer_finish() */
+	images_notices(images);
 	int failed = viewer_finish(images->viewer);
 	images->waited += clock_seconds() - start;
 	images->viewer = NULL;

@@ -78,8 +78,8 @@ static int paths_add(struct paths *paths, const struct scene_inspect *inspect, c
 	if (restart)
 		CHECK(path_cut(file, mpm->step, &found));
 	if (restart && found != mpm->step) {
-		log_warning(log, "rve/%s is not written: the point was not recorded from the first step on, and a part of a path "
-		            "cannot be replayed", name);
+		log_warning(log, "rve/%s is not written: this folder has no record of it from the first step on, and a part "
+		            "of a path cannot be replayed", name);
 		return STATUS_OK;
 	}
 	paths->n++;

@@ -30,11 +30,14 @@ int paths_close(struct paths *paths);
 /* The state and nothing else: equal states make equal files. */
 int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory);
 
+/* The name of the code whose bits a checkpoint continues. */
+const char *checkpoint_code_path(void);
+
 /* Reads the state into an MPM made from the same scene. STATUS_INPUT if the file is of another scene (the
  * message names the first setting that differs), another code path (unless allowed), or broken. */
 int checkpoint_read(const char *path, struct mpm *mpm, struct history_memory *memory, bool allow_path_change);
 
-/* The scene's text in a checkpoint (free() it), without reading the state: for a check before anything is made. */
+/* The same questions about the scene without reading the state: asked before anything is made. */
 int checkpoint_check_scene(const char *path, const struct scene *scene);
 
 /* ---- snapshot.c: snap/NNNNNNNN.h5 and run.h5; vtk/NAME_NNNNNNNN.vtp and NAME.pvd ---- */
@@ -60,6 +63,8 @@ int images_create(struct images **images, const struct mpm *mpm, const char *fol
 bool images_due(const struct images *images, long long step, bool last);
 /* Asks for the pictures that are due. */
 void images_draw(struct images *images, const void *frame, int64_t bytes, long long step, bool last);
+/* Returns when everything asked for is drawn: before a checkpoint, which says that all before it is done. */
+void images_flush(struct images *images);
 double images_waited(const struct images *images);
 /* Waits for the pictures and ends the viewer. */
 void images_finish(struct images *images);
@@ -82,6 +87,7 @@ struct run {
 	struct mpm *mpm;
 	struct run_fields *fields;
 	struct history *history;
+	struct history_memory memory;
 	struct paths *paths;
 	struct snapshots *snapshots;
 	struct images *images;

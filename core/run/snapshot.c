@@ -1,5 +1,6 @@
 #include <dirent.h>
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +34,7 @@ struct snapshots {
 	int n, capacity;
 	int n_series;
 	struct series series[SERIES_MOST];
-	double *values; /* one field of all points */
+	double *values; /* one field of all points, or of the grid */
 };
 
 /* ---- lists ---- */
@@ -169,7 +170,8 @@ int snapshots_create(struct snapshots **result, const struct mpm *mpm, struct ru
 	s->mpm = mpm;
 	s->fields = fields;
 	snprintf(s->folder, sizeof s->folder, "%s", folder);
-	s->values = malloc(sizeof(double) * 6 * ((size_t)mpm->p.n + 1));
+	size_t points = 6 * (size_t)mpm->p.n, nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny;
+	s->values = malloc(sizeof(double) * ((points > nodes ? points : nodes) + 1));
 	int status = s->values ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory");
 	if (status == STATUS_OK && restart)
 		status = snapshots_take_up(s);
@@ -269,9 +271,11 @@ static int snapshot_grid(const struct snapshots *s, hid_t group)
 	CHECK(h5_attribute_number(group, ".", "cell", grid->h));
 	CHECK(snapshot_dataset(group, "mass", "kg", H5T_NATIVE_DOUBLE, n, 1, grid->mass));
 	CHECK(snapshot_dataset(group, "velocity", "m/s", H5T_NATIVE_DOUBLE, n, 2, grid->v_new));
-	if (s->mpm->thermal)
-		CHECK(snapshot_dataset(group, "temperature_kelvin", "K", H5T_NATIVE_DOUBLE, n, 1, grid->T_new));
-	return STATUS_OK;
+	if (!s->mpm->thermal)
+		return STATUS_OK;
+	for (hsize_t i = 0; i < n; i++)
+		s->values[i] = grid->mass[i] > 0 ? scene_temperature_out(s->mpm->scene, grid->T_new[i]) : NAN;
+	return snapshot_dataset(group, "temperature", scene_temperature_unit(s->mpm->scene), H5T_NATIVE_DOUBLE, n, 1, s->values);
 }
 
 static int snapshot_rve(const struct snapshots *s, hid_t group, const char *name, int point)
