@@ -54,7 +54,7 @@ static int advance_laws(struct mpm *mpm)
 static void collect_heat(struct mpm *mpm)
 {
 	struct particles *p = &mpm->p;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int k = 0; k < p->n; k++)
 		p->heat_pending[k] += p->heat[k] * mat2_determinant(p->F[k]) * p->volume0[k] * mpm->dt;
 }

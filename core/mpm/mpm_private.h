@@ -15,7 +15,8 @@ enum {
 	BLOCK_POINTS = 256, /* points in one piece of the way back from the grid */
 	RESORT_STEPS = 64,  /* storage follows the order by cells every so many steps, counted from step 0 */
 	GHOST_CELLS = 1,    /* grid cells beyond the scene's box, for domains that reach over its edge */
-	WALL_SWEEPS = 4     /* over the walls of a node that feels several */
+	WALL_SWEEPS = 4,    /* over the walls of a node that feels several */
+	PARALLEL_POINTS = 4096 /* below this a pass is too short to wake other threads for it */
 };
 
 /* What points add to a node; one cache line. */
@@ -34,7 +35,8 @@ struct stripe_sum {
 	double diffusivity;           /* max of k / (rho c), m2/s */
 	int stiffest, most_diffusive; /* storage index, -1 = none */
 	int bad;                      /* storage index of the first point with a non-finite stress, -1 */
-	double heat_given;            /* J, of the laws */
+	double power; /* W, sum V sigma : L with the L of the step before */
+	double heat_given; /* J, of the laws */
 	double heat_flux;             /* J, through boundaries with a given flux */
 };
 
@@ -50,7 +52,8 @@ struct block_sum {
 /* Partial results of one row of nodes. */
 struct row_sum {
 	double increment;                    /* sum m |dv|^2, J */
-	double gravity, confining;           /* J, work of gravity and of the confining pressure */
+	double power; /* W, of the internal forces on the velocities before the step, - sum f.v */
+	double gravity, confining; /* J, work of gravity and of the confining pressure */
 	double velocity_work, velocity_loss; /* J, of imposed velocities */
 };
 
@@ -138,6 +141,7 @@ struct mpm_work {
 };
 
 static inline struct mpm_work *mpm_work(const struct mpm *mpm) { return mpm->work; }
+static inline bool mpm_parallel(const struct mpm *mpm) { return mpm->p.n >= PARALLEL_POINTS; }
 
 /* ---- particles.c ---- */
 int particles_create(struct particles *p, int n);

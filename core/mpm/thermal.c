@@ -130,7 +130,7 @@ static void scatter_flows(struct mpm *mpm, struct mpm_work *w, double dt, bool l
 {
 	int nodes = mpm->shape->max_nodes;
 	for (int parity = 0; parity < 2; parity++) {
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))
 		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
 			if (nodes == 9)
 				flow_stripe(mpm, w, stripe, 9, dt, last_pass);
@@ -144,19 +144,19 @@ void mpm_heat_nodes(struct mpm *mpm)
 	struct mpm_work *w = mpm_work(mpm);
 	int passes = mpm->scene->time.thermal_steps, ny = mpm->grid.ny;
 	double dt = w->thermal_dt / passes;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < ny; j++)
 		begin_row(mpm, w, j);
 	for (int pass = 0; pass < passes; pass++) {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 		for (int j = 0; j < ny; j++)
 			source_row(mpm, w, j);
 		scatter_flows(mpm, w, dt, pass == passes - 1);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 		for (int j = 0; j < ny; j++)
 			advance_row(mpm, w, j, dt);
 	}
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < ny; j++)
 		w->heat_sums[j] = end_row(mpm, w, j);
 }
