@@ -24,9 +24,18 @@ struct point {
 
 static struct law_batch batch_of(struct point *p, double dt)
 {
-	return (struct law_batch){.n = 1, .slot = p->slot, .F = (const double (*)[4])p->F, .L = (const double (*)[4])p->L, .T = p->T,
-							  .dT = p->dT, .dt = dt, .stress = p->stress, .heat = p->heat, .conductivity = p->conductivity,
-							  .modulus = p->modulus, .failed = -1};
+	return (struct law_batch){.n = 1,
+							  .slot = p->slot,
+							  .F = (const double(*)[4])p->F,
+							  .L = (const double(*)[4])p->L,
+							  .T = p->T,
+							  .dT = p->dT,
+							  .dt = dt,
+							  .stress = p->stress,
+							  .heat = p->heat,
+							  .conductivity = p->conductivity,
+							  .modulus = p->modulus,
+							  .failed = -1};
 }
 
 static void point_create(struct point *p, bool plane_stress, double nu)
@@ -85,7 +94,8 @@ static void test_small_strain(void **state)
 static void test_ten_turns(void **state)
 {
 	(void)state;
-	const double turn = 2.0 * M_PI, rotate[4] = {0.0, -turn, turn, 0.0}, still[4] = {0}, stretch[4] = {0.05, 0.03, 0.01, -0.02};
+	const double turn = 2.0 * M_PI, rotate[4] = {0.0, -turn, turn, 0.0}, still[4] = {0},
+				 stretch[4] = {0.05, 0.03, 0.01, -0.02};
 	struct point p, q;
 	point_create(&p, false, NU);
 	point_create(&q, false, NU);
@@ -159,7 +169,9 @@ static void test_energy_is_the_work(void **state)
 			double dT = 200.0 / steps * cos(4 * t), dt = 1.0 / steps;
 			assert_int_equal(point_advance(&p, L, dT, dt), STATUS_OK);
 			double K = mat2_determinant(p.F[0]), *s = p.stress[0];
-			work += 0.5 * dt * ((old[0] * J + s[0] * K) * L[0] + (old[1] * J + s[1] * K) * L[3] + (old[3] * J + s[3] * K) * (L[1] + L[2]));
+			work += 0.5 * dt *
+					((old[0] * J + s[0] * K) * L[0] + (old[1] * J + s[1] * K) * L[3] +
+					 (old[3] * J + s[3] * K) * (L[1] + L[2]));
 			thermal -= 0.5 * ALPHA * dT * ((old[0] + old[1] + old[2]) * J + (s[0] + s[1] + s[2]) * K);
 		}
 		struct law_ledger l = ledger_of(&p);
@@ -206,9 +218,9 @@ static void test_inside_out(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_small_strain),         cmocka_unit_test(test_ten_turns),
-		cmocka_unit_test(test_restrained_heating),   cmocka_unit_test(test_energy_is_the_work),
-		cmocka_unit_test(test_large_strain),         cmocka_unit_test(test_inside_out),
+		cmocka_unit_test(test_small_strain),       cmocka_unit_test(test_ten_turns),
+		cmocka_unit_test(test_restrained_heating), cmocka_unit_test(test_energy_is_the_work),
+		cmocka_unit_test(test_large_strain),       cmocka_unit_test(test_inside_out),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

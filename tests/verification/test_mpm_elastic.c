@@ -88,8 +88,8 @@ static void test_bars_collide(void **state)
 	for (int k = 0; k < mpm->p.n; k++)
 		if (mpm->p.body[k] == 0)
 			v += mpm->p.mass[k] * mpm->p.v[k][0], m += mpm->p.mass[k];
-	print_message("bars: residual %.3g %% of the kinetic energy, rebound %.4f v0, numerical loss %.3g %%\n", 100 * worst, v / m / v0,
-				  100 * mpm->ledger.loss_numerical / kinetic);
+	print_message("bars: residual %.3g %% of the kinetic energy, rebound %.4f v0, numerical loss %.3g %%\n",
+				  100 * worst, v / m / v0, 100 * mpm->ledger.loss_numerical / kinetic);
 	assert_near(v / m, -v0, 0.03 * v0);
 	assert_true(worst < 1e-4);
 	mpm_free(mpm);
@@ -117,7 +117,8 @@ static void test_confining_pressure(void **state)
 		assert_near(mpm->p.stress[k][1], -p, 1e-3 * p);
 		assert_near(mpm->p.stress[k][3], 0.0, 1e-3 * p);
 	}
-	print_message("confining: work %.4g J, residual %.3g %%\n", mpm->ledger.work_boundary, 100 * worst / mpm->ledger.work_boundary);
+	print_message("confining: work %.4g J, residual %.3g %%\n", mpm->ledger.work_boundary,
+				  100 * worst / mpm->ledger.work_boundary);
 	assert_true(worst < 1e-3 * mpm->ledger.work_boundary);
 	mpm_free(mpm);
 }
@@ -143,9 +144,10 @@ static void test_slide_to_rest(void **state)
 		worst = fmax(worst, fabs(mpm->ledger.energy_residual));
 	}
 	double way = mean_position(mpm, 0) - at, heat = mpm->ledger.work_walls_friction;
-	print_message("slide: way %.4f of %.4f m, friction heat %.4f of the kinetic energy, residual %.3g %%, numerical %.3g %%\n", way,
-				  v0 * v0 / (2 * mu * g), heat / (0.5 * m * v0 * v0), 100 * worst / (0.5 * m * v0 * v0),
-				  100 * mpm->ledger.loss_numerical / (0.5 * m * v0 * v0));
+	print_message(
+		"slide: way %.4f of %.4f m, friction heat %.4f of the kinetic energy, residual %.3g %%, numerical %.3g %%\n",
+		way, v0 * v0 / (2 * mu * g), heat / (0.5 * m * v0 * v0), 100 * worst / (0.5 * m * v0 * v0),
+		100 * mpm->ledger.loss_numerical / (0.5 * m * v0 * v0));
 	assert_near(way, v0 * v0 / (2 * mu * g), 0.03 * way);
 	assert_near(heat, 0.5 * m * v0 * v0, 0.03 * 0.5 * m * v0 * v0);
 	assert_near(mpm->walls[0].friction_heat, heat, 1e-12 * heat);
@@ -180,8 +182,9 @@ static void test_wedge(void **state)
 		mpm_measure(mpm);
 		double way = (mean_position(mpm, 0) - x1) * along[0] + (mean_position(mpm, 1) - y1) * along[1];
 		double friction = mu * sum_mass(mpm) * g * c * way, heat = mpm->ledger.work_walls_friction - heat1;
-		print_message("wedge mu = %.1f: acceleration %.4f, expected %.4f; heat %.5g of %.5g J; residual %.3g J of %.4g J\n", mu, measured, expected,
-					  heat, friction, mpm->ledger.energy_residual, mpm->ledger.energy_kinetic);
+		print_message(
+			"wedge mu = %.1f: acceleration %.4f, expected %.4f; heat %.5g of %.5g J; residual %.3g J of %.4g J\n", mu,
+			measured, expected, heat, friction, mpm->ledger.energy_residual, mpm->ledger.energy_kinetic);
 		assert_near(measured, expected, 0.03 * g * c);
 		if (expected > 0.0)
 			assert_near(heat, friction, 0.03 * sum_mass(mpm) * g * c * way);
@@ -214,9 +217,10 @@ static void test_plate(void **state)
 		if (fabs(mpm->p.x0[k][1] - 0.2 - 0.5 * height) < 2.0 * h)
 			stress += mpm->p.stress[k][1], n += 1.0;
 	stress /= n;
-	print_message("plate: reaction %.4g N, mean stress %.4g Pa on 0.4 m2, nominal %.4g Pa, work %.4g J, elastic %.4g J, loss %.3g J, residual %.3g %%\n",
-				  mpm->walls[1].force[1], stress, -E * speed * 2.0 / height, mpm->ledger.work_boundary, mpm->ledger.energy_elastic,
-				  mpm->ledger.loss_numerical, 100 * worst / mpm->ledger.work_boundary);
+	print_message("plate: reaction %.4g N, mean stress %.4g Pa on 0.4 m2, nominal %.4g Pa, work %.4g J, elastic %.4g "
+				  "J, loss %.3g J, residual %.3g %%\n",
+				  mpm->walls[1].force[1], stress, -E * speed * 2.0 / height, mpm->ledger.work_boundary,
+				  mpm->ledger.energy_elastic, mpm->ledger.loss_numerical, 100 * worst / mpm->ledger.work_boundary);
 	assert_near(mpm->walls[1].force[1], -0.4 * stress, 0.02 * fabs(0.4 * stress));
 	assert_near(mpm->walls[0].force[1], 0.4 * stress, 0.02 * fabs(0.4 * stress));
 	assert_true(worst < 1e-3 * mpm->ledger.work_boundary);
@@ -226,8 +230,12 @@ static void test_plate(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_column), cmocka_unit_test(test_bars_collide), cmocka_unit_test(test_confining_pressure),
-		cmocka_unit_test(test_slide_to_rest), cmocka_unit_test(test_wedge), cmocka_unit_test(test_plate),
+		cmocka_unit_test(test_column),
+		cmocka_unit_test(test_bars_collide),
+		cmocka_unit_test(test_confining_pressure),
+		cmocka_unit_test(test_slide_to_rest),
+		cmocka_unit_test(test_wedge),
+		cmocka_unit_test(test_plate),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
