@@ -92,8 +92,8 @@ static bool step_element(struct loader *loader, struct spot *spot, const char *c
 			problem_at(loader, place, spot->path, "is %s, expected a list to take '%.*s' of", node_kind(list),
 					   (int)length, component);
 		else if (list->n == 0)
-			problem_at(loader, place, spot->path, "has no entry '%.*s', expected [0] to make its first one",
-					   (int)length, component);
+			problem_at(loader, place, spot->path, "has no entry '%.*s' yet, expected %s", (int)length, component,
+					   spot->key && spot->key->type == KEY_LIST ? "[0] to make its first one" : "its whole value");
 		else
 			problem_at(loader, place, spot->path, "has no entry '%.*s', expected [0] to [%d]%s", (int)length, component,
 					   list->n - 1, spot->key && spot->key->type == KEY_LIST ? " or the name of one" : "");
@@ -105,6 +105,23 @@ static bool step_element(struct loader *loader, struct spot *spot, const char *c
 	size_t used = strlen(spot->path);
 	snprintf(spot->path + used, sizeof spot->path - used, ".[%d]", k);
 	return true;
+}
+
+/* What a key that is not there yet starts from: its default, so that one entry of it can be changed. */
+static struct node *node_of_default(struct loader *loader, const struct scene_key *key, struct scene_place place)
+{
+	if (key->value) {
+		char text[128];
+		struct source source;
+		snprintf(text, sizeof text, "value = %s", key->value);
+		source_text(loader, text, place, &source);
+		return tree_parse(loader, &source, "")->children[0];
+	}
+	return node_new(loader,
+					key->type == KEY_LIST    ? NODE_LIST
+					: key->type == KEY_GROUP ? NODE_GROUP
+											 : NODE_ARRAY,
+					place);
 }
 
 /* One step into a group, which grows the key if the table knows it. */
@@ -123,7 +140,7 @@ static bool step_key(struct loader *loader, struct spot *spot, const struct scen
 	}
 	struct node *next = node_find(spot->node, name);
 	if (!next) {
-		next = node_new(loader, key->type == KEY_LIST ? NODE_LIST : NODE_GROUP, place);
+		next = node_of_default(loader, key, place);
 		next->name = loader_string(loader, name);
 		grow(loader, spot, next);
 	}
