@@ -53,6 +53,7 @@ struct law_counts {
 };
 
 struct law;
+struct rve_model; /* rve/rve.h */
 
 struct law_type {
 	const char *name;
@@ -77,6 +78,9 @@ struct law_type {
 	void (*ledger)(const struct law *law, int slot, struct law_ledger *ledger);
 	void (*reset_ledger)(struct law *law, int slot); /* friction, dashpot ... start again from zero */
 	void (*counts)(const struct law *law, struct law_counts *counts); /* may be NULL */
+
+	/* The RVE behind a state, for rve_inspect() and rve_get_info(); NULL where the law has none. */
+	int (*rve_view)(const struct law *law, int slot, const struct rve_model **model, const void **state);
 };
 
 /* An instance: one scene law with its points. */

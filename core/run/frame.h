@@ -12,6 +12,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -55,7 +56,7 @@ struct frame_header {
 	uint32_t magic, version;
 	int64_t step;
 	double time; /* s */
-	int64_t bytes; /* used in this slot */
+	int64_t bytes; /* of the frame */
 	int32_t n_channels, n_arrays;
 	char temperature_unit[4]; /* "C" or "K": temperature arrays are in it already */
 	char title[256];
@@ -68,15 +69,20 @@ struct frame_image {
 	char field[FRAME_NAME];
 	int32_t component;     /* -1 magnitude or scalar */
 	char rve[FRAME_NAME];
-	double view[4];        /* m: xmin ymin xmax ymax */
+	double view[4];        /* m: xmin ymin xmax ymax; NAN = all there is (channel "grid" if sent) */
 	int32_t size[2];       /* pixels */
-	char map[FRAME_NAME];  /* viridis, inferno, coolwarm */
-	int32_t range_auto;
-	double range[2];
+	char map[FRAME_NAME];  /* viridis, inferno, coolwarm (diverging: an automatic range is symmetric) */
+	char unit[FRAME_UNIT]; /* shown unit; "" = the array's, with an SI prefix that suits the numbers */
+	int32_t range_auto;    /* 1: from the data of each picture */
+	double range[2];       /* in `unit`, or in the array's unit where that is "" */
 };
 
-/* Messages (one packet each).  Engine to viewer: IMAGES (then n struct frame_image), DRAW, QUIT.
- * Viewer to engine: READY, DONE (slot is free again), FAILED (text). */
+/* The descriptors that the viewer inherits, beside 0, 1, 2 (log). */
+enum { FRAME_FD_SOCKET = 3, FRAME_FD_MEMORY = 4 };
+
+/* Messages (one packet each).  Engine to viewer: IMAGES (then n packets of struct frame_image), DRAW, QUIT.
+ * Viewer to engine: READY (answers IMAGES), DONE or FAILED (text) for each DRAW: its slot is free again;
+ * FAILED with slot -1: the viewer cannot work and ends; LOG (text for the run's log). */
 enum frame_message_kind {
 	FRAME_MSG_IMAGES = 1, FRAME_MSG_DRAW, FRAME_MSG_QUIT,
 	FRAME_MSG_READY = 100, FRAME_MSG_DONE, FRAME_MSG_FAILED, FRAME_MSG_LOG
@@ -90,6 +96,49 @@ struct frame_message {
 	int32_t n;              /* IMAGES: how many */
 	char text[1024];        /* DRAW: path of the PNG; FAILED, LOG: message */
 };
+
+/* ---- reading a frame ---- */
+
+static inline const struct frame_header *frame_header(const void *frame) { return (const struct frame_header *)frame; }
+
+static inline const struct frame_channel *frame_channels(const void *frame)
+{
+	return (const struct frame_channel *)((const char *)frame + sizeof(struct frame_header));
+}
+
+static inline const struct frame_array *frame_arrays(const void *frame)
+{
+	return (const struct frame_array *)(frame_channels(frame) + frame_header(frame)->n_channels);
+}
+
+/* Index of a channel, or -1. */
+static inline int frame_find_channel(const void *frame, const char *name)
+{
+	for (int c = 0; c < frame_header(frame)->n_channels; c++)
+		if (strncmp(frame_channels(frame)[c].name, name, FRAME_NAME) == 0)
+			return c;
+	return -1;
+}
+
+/* An array of a channel, or NULL (also for channel -1). */
+static inline const struct frame_array *frame_find_array(const void *frame, int channel, const char *name)
+{
+	for (int a = 0; a < frame_header(frame)->n_arrays; a++)
+		if (frame_arrays(frame)[a].channel == channel && strncmp(frame_arrays(frame)[a].name, name, FRAME_NAME) == 0)
+			return &frame_arrays(frame)[a];
+	return NULL;
+}
+
+static inline const void *frame_data(const void *frame, const struct frame_array *array)
+{
+	return (const char *)frame + array->offset;
+}
+
+/* Bytes of one value; 0 for an unknown type. */
+static inline int frame_type_bytes(int type)
+{
+	return type == FRAME_F64 || type == FRAME_I64 ? 8 : type == FRAME_F32 || type == FRAME_I32 ? 4 : type == FRAME_U8;
+}
 
 #ifdef __cplusplus
 }

@@ -279,6 +279,18 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 
 void scene_free(struct scene *scene);
 
+/* Distance between a body's lattice points, m: cell / sqrt(points_per_cell). */
+double scene_body_spacing(const struct scene *scene, const struct scene_body *body);
+
+/* The points of a body: places origin + (i + 1/2, j + 1/2) spacing that lie strictly inside its polygon
+ * (a point on an edge, within 1e-6 of the spacing, does not count), row by row from the bottom, each row
+ * from the left: the order of birth, which numbers the points' ids body after body.  The caller frees *x
+ * (n entries, m; NULL if none).  STATUS_INPUT for an absurd count, STATUS_RESOURCE for lack of memory. */
+int scene_body_points(const struct scene *scene, const struct scene_body *body, double (**x)[2], int *n);
+
+/* Index of the layer in which height y lies (the top one above all), -1 without layers. */
+int scene_body_layer(const struct scene_body *body, double y);
+
 /* K -> the scene's unit, and back. */
 double scene_temperature_out(const struct scene *scene, double kelvin);
 double scene_temperature_in(const struct scene *scene, double value);

@@ -1,0 +1,71 @@
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/error.h"
+#include "scene/geometry.h"
+#include "scene/scene.h"
+
+/* Points nearer to an edge than this share of their spacing lie on it: scene files round their decimals. */
+static const double ON_EDGE = 1e-6;
+
+/* More points than this in one body is a slip of the pen, not a scene. */
+static const double POINTS_MAX = 1e8;
+
+double scene_body_spacing(const struct scene *scene, const struct scene_body *body)
+{
+	return scene->grid.cell / sqrt((double)body->points_per_cell);
+}
+
+/* The indices i of lattice coordinates origin + (i + 1/2) s that can lie in the body's extent along `axis`. */
+static void lattice_range(const struct scene_body *body, int axis, double origin, double s, double *first, double *last)
+{
+	double low = INFINITY, high = -INFINITY;
+	for (int k = 0; k < body->n_vertices; k++) {
+		low = fmin(low, body->vertices[k][axis]);
+		high = fmax(high, body->vertices[k][axis]);
+	}
+	*first = floor((low - origin) / s - 0.5);
+	*last = ceil((high - origin) / s - 0.5);
+}
+
+int scene_body_points(const struct scene *scene, const struct scene_body *body, double (**x)[2], int *n)
+{
+	double s = scene_body_spacing(scene, body), origin[2], first[2], last[2];
+	*x = NULL, *n = 0;
+	for (int a = 0; a < 2; a++) {
+		origin[a] = isnan(body->lattice_origin[a]) ? scene->grid.origin[a] : body->lattice_origin[a];
+		lattice_range(body, a, origin[a], s, &first[a], &last[a]);
+	}
+	double columns = last[0] - first[0] + 1.0, rows = last[1] - first[1] + 1.0;
+	if (!(columns * rows <= POINTS_MAX))
+		return error_set(STATUS_INPUT, "body '%s' spans %.3g lattice points, expected at most %.0g", body->name,
+		                 columns * rows, POINTS_MAX);
+	double(*points)[2] = NULL;
+	int count = 0, capacity = 0;
+	for (int j = 0; j < (int)rows; j++)
+		for (int i = 0; i < (int)columns; i++) {
+			double p[2] = {origin[0] + (first[0] + i + 0.5) * s, origin[1] + (first[1] + j + 0.5) * s};
+			if (!polygon_contains(body->n_vertices, (const double (*)[2])body->vertices, p, ON_EDGE * s))
+				continue;
+			if (count == capacity) {
+				capacity = capacity ? 2 * capacity : 1024;
+				double(*grown)[2] = realloc(points, (size_t)capacity * sizeof *points);
+				if (!grown) {
+					free(points);
+					return error_set(STATUS_RESOURCE, "no memory for the points of body '%s'", body->name);
+				}
+				points = grown;
+			}
+			points[count][0] = p[0], points[count][1] = p[1], count++;
+		}
+	*x = points, *n = count;
+	return STATUS_OK;
+}
+
+int scene_body_layer(const struct scene_body *body, double y)
+{
+	for (int k = 0; k < body->n_layers; k++)
+		if (y < body->layers[k].top || k == body->n_layers - 1)
+			return k;
+	return -1;
+}
