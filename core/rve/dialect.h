@@ -45,6 +45,7 @@ enum { LANES = 128 };
 #define KERNEL(name) void DIALECT_JOIN(name, RVE_KERNEL_SUFFIX)
 
 THREADFN real real_sqrt(real x) { return sqrt(x); }
+/* Where a is not a number, b. */
 THREADFN real real_max(real a, real b) { return a > b ? a : b; }
 THREADFN real real_min(real a, real b) { return a < b ? a : b; }
 

@@ -10,7 +10,7 @@ BLOCKFN int neighbours_valid(const struct rve_place *at)
 	SHARED struct rve_block *block = at->block;
 	SHARED real *displacement = block->lanes[LANE_DISPLACEMENT];
 	for (int width = LANES / 2; width > 0; width /= 2) {
-		FOR_THREADS(lane, width) displacement[lane] = lane_max(displacement[lane], displacement[lane + width]);
+		FOR_THREADS(lane, width) displacement[lane] = real_max(displacement[lane + width], displacement[lane]);
 		SYNC();
 	}
 	const real r_max = at->constants->r_max;

@@ -1,7 +1,5 @@
 /* One sub-step: move, contact forces, gather, kick; and the homogenisation.  Included by kernel.h only. */
 
-THREADFN real lane_max(real a, real b) { return b > a ? b : a; }
-
 /* The cell and, in it, the discs; velocities turn and thin out with the cell; radii grow. */
 BLOCKFN void move(const struct rve_place *at)
 {
@@ -45,7 +43,7 @@ BLOCKFN void move(const struct rve_place *at)
 			sy[i] = py;
 			real qx = px - (real)ref_x[i], qy = py - (real)ref_y[i];
 			real ux = hxx * qx + hxy * qy, uy = hyx * qx + hyy * qy;
-			displacement[lane] = lane_max(displacement[lane], ux * ux + uy * uy);
+			displacement[lane] = real_max(ux * ux + uy * uy, displacement[lane]);
 		}
 	}
 	SYNC();
@@ -134,7 +132,7 @@ BLOCKFN void contacts(const struct rve_place *at, const int last)
 				sum[LANE_CONTACTS][lane] += touching;
 				sum[LANE_SLIDING][lane] += fn > 0.0 && ft_size >= cap ? 1.0 : 0.0;
 				sum[LANE_FORCE][lane] += fn;
-				sum[LANE_OVERLAP][lane] = lane_max(sum[LANE_OVERLAP][lane], overlap / real_min(ri, rj));
+				sum[LANE_OVERLAP][lane] = real_max(overlap / real_min(ri, rj), sum[LANE_OVERLAP][lane]);
 			}
 		}
 	}
@@ -221,7 +219,7 @@ BLOCKFN void lanes_sum(SHARED struct rve_block *block)
 		for (int q = 0; q < LANE_SUMS; q++)
 			FOR_THREADS(lane, width) block->lanes[q][lane] += block->lanes[q][lane + width];
 		FOR_THREADS(lane, width)
-		block->lanes[LANE_OVERLAP][lane] = lane_max(block->lanes[LANE_OVERLAP][lane], block->lanes[LANE_OVERLAP][lane + width]);
+		block->lanes[LANE_OVERLAP][lane] = real_max(block->lanes[LANE_OVERLAP][lane + width], block->lanes[LANE_OVERLAP][lane]);
 		SYNC();
 	}
 }
