@@ -112,7 +112,8 @@ void hatch(shapes &strokes, const double a[2], const double b[2], double spacing
 	}
 }
 
-// Channel "walls": closed polygons are solid; open lines are the surface of a solid on their right.
+// Channel "walls": polygons (array "closed", or last corner = first) are solid; open lines are the surface of a
+// solid on their right.
 void draw_walls(page &page, const frame_view &frame)
 {
 	int c = frame.find("walls");
@@ -131,8 +132,11 @@ void draw_walls(page &page, const frame_view &frame)
 		std::vector<std::array<double, 2>> p;
 		for (int64_t i = from; i < to; i++)
 			p.push_back({frame.value(*x, i, 0), frame.value(*x, i, 1)});
+		bool round = p.size() > 3 && p.front() == p.back();
+		if (round)
+			p.pop_back();
+		bool solid = round || (closed && k < closed->count && frame.value(*closed, k) != 0 && p.size() >= 3);
 		auto corners = reinterpret_cast<const double(*)[2]>(p.data());
-		bool solid = closed && k < closed->count && frame.value(*closed, k) != 0 && p.size() >= 3;
 		edges.line(corners, int(p.size()), solid, ink::wall_edge);
 		if (solid)
 			solids.polygon(corners, int(p.size()), ink::wall);

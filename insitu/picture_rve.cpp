@@ -88,6 +88,7 @@ bool read_discs(const frame_view &frame, const frame_image &image, int channel, 
 }
 
 // The contacts, each moved so that its middle lies in the cell; the weakest first, so that the chains lie on top.
+// Copies for other viewers (array "image") are left out: all images are made here.
 void read_contacts(const frame_view &frame, int channel, rve &rve)
 {
 	const frame_array *x = channel >= 0 ? frame.find_array(channel, "coordinates") : nullptr;
@@ -95,10 +96,13 @@ void read_contacts(const frame_view &frame, int channel, rve &rve)
 	if (!x || !force || x->count != 2 * force->count)
 		return;
 	const frame_array *sliding = frame.find_array(channel, "sliding"), *bond = frame.find_array(channel, "bond");
+	const frame_array *image = frame.find_array(channel, "image");
 	auto flag = [&](const frame_array *array, int64_t k) {
 		return array && k < array->count ? int(frame.value(*array, k)) : 0;
 	};
 	for (int64_t k = 0; k < force->count; k++) {
+		if (flag(image, k) != 0)
+			continue;
 		contact c;
 		for (int d = 0; d < 2; d++) {
 			c.a[d] = frame.value(*x, 2 * k, d);
