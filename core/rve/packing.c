@@ -114,23 +114,27 @@ static int place_at_random(struct rve_packing *p, const struct rve_packing_param
 
 static double limited(double x) { return fmax(-1.0, fmin(1.0, x)); }
 
+/* The servo: a rate that grows with the error relative to the target, at most 1/s; sharper than that near the target, where
+ * the cell is stiff and answers within a few turns. */
+static double servo(double error) { return limited(5.0 * error); }
+
 /* Strains the cell at up to 1/s in each component until the stress is -p I and the discs are at rest. */
 static int compress(const struct rve_model *model, unsigned char *state, double pressure)
 {
-	const double rate = 1.0, stress_tolerance = 1e-4, unbalanced_tolerance = 1e-4;
+	const double rate = 1.0, stress_tolerance = 1e-3, unbalanced_tolerance = 1e-4;
 	const long long sub_steps_max = 20000000;
 	const double dt = rve_time_step(model);
 	/* the servo's gain is 1/(p rate^-1): in one turn it must correct far less than the whole error */
 	double stiffness = model->params.kn / model->params.thickness;
-	int turn = (int)fmax(1.0, fmin(20.0, 0.1 * pressure / (stiffness * rate * dt)));
-	double slow = fmin(1.0, 0.2 * pressure / (stiffness * rate * dt * turn));
+	int turn = (int)fmax(1.0, fmin(20.0, 0.02 * pressure / (stiffness * rate * dt)));
+	double slow = fmin(1.0, 0.04 * pressure / (stiffness * rate * dt * turn));
 	unsigned char *scratch = rve_scratch(model, 0);
 	struct rve_info info;
 	for (long long done = 0; done < sub_steps_max; done += turn) {
 		double stress[4], conductivity[3], modulus;
 		rve_evaluate(model, state, stress, conductivity, &modulus);
 		double xx = (-pressure - stress[0]) / pressure, yy = (-pressure - stress[1]) / pressure, xy = -stress[3] / pressure;
-		double L[4] = {slow * rate * limited(xx), slow * rate * limited(xy), 0.0, slow * rate * limited(yy)};
+		double L[4] = {slow * rate * servo(xx), slow * rate * servo(xy), 0.0, slow * rate * servo(yy)};
 		L[2] = L[1];
 		if (rve_sub_steps(model, state, scratch, L, 0.0, turn * dt, turn, 0) != KERNEL_OK)
 			return error_set(STATUS_GUARD, "the packing collapsed during its compression");
