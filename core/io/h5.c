@@ -88,23 +88,26 @@ int h5_group(hid_t *group, hid_t parent, const char *name)
 	hid_t create = H5Pcreate(H5P_GROUP_CREATE);
 	H5Pset_obj_track_times(create, false);
 	*group = H5Gcreate2(parent, name, H5P_DEFAULT, create, H5P_DEFAULT);
+	int status = *group < 0 ? h5_fail("write", name) : STATUS_OK;
 	H5Pclose(create);
-	return *group < 0 ? h5_fail("write", name) : STATUS_OK;
+	return status;
 }
 
+/* Every other call of the library forgets why the last one failed: h5_fail() comes first. */
 static int h5_write_space(hid_t parent, const char *name, hid_t type, hid_t space, const void *data)
 {
-	hid_t create = H5Pcreate(H5P_DATASET_CREATE);
+	hid_t create = H5Pcreate(H5P_DATASET_CREATE), link = H5Pcreate(H5P_LINK_CREATE);
 	H5Pset_obj_track_times(create, false);
-	hid_t set = H5Dcreate2(parent, name, type, space, H5P_DEFAULT, create, H5P_DEFAULT);
+	H5Pset_create_intermediate_group(link, 1);
+	bool empty = H5Sget_simple_extent_npoints(space) == 0;
+	hid_t set = H5Dcreate2(parent, name, type, space, link, create, H5P_DEFAULT);
+	int status = set < 0 ? h5_fail("write", name) : STATUS_OK;
+	if (status == STATUS_OK && !empty && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+		status = h5_fail("write", name);
+	if (set >= 0 && H5Dclose(set) < 0 && status == STATUS_OK)
+		status = h5_fail("write", name);
 	H5Pclose(create);
-	if (set < 0)
-		return h5_fail("write", name);
-	int status = STATUS_OK;
-	if (H5Sget_simple_extent_npoints(space) > 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
-		status = h5_fail("write", name);
-	if (H5Dclose(set) < 0 && status == STATUS_OK)
-		status = h5_fail("write", name);
+	H5Pclose(link);
 	return status;
 }
 

@@ -27,7 +27,8 @@ int h5_open(hid_t *file, const char *path);
 /* Makes the group `name` below `parent`; close with H5Gclose(). */
 int h5_group(hid_t *group, hid_t parent, const char *name);
 
-/* The dataset `name` of rank 1 (columns = 0: `rows` values) or rank 2, of a native memory type. */
+/* The dataset `name` of rank 1 (columns = 0: `rows` values) or rank 2, of a native memory type; groups
+ * that its name passes through ("a/b") are made. */
 int h5_write(hid_t parent, const char *name, hid_t type, hsize_t rows, hsize_t columns, const void *data);
 
 /* A text as a scalar string dataset. */

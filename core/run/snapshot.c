@@ -149,6 +149,11 @@ static int snapshots_take_file(struct snapshots *s, const char *file)
 	return step <= s->mpm->step ? snapshots_add_step(s, step) : STATUS_OK;
 }
 
+static int series_compare(const void *a, const void *b)
+{
+	return strcmp(((const struct series *)a)->name, ((const struct series *)b)->name);
+}
+
 static int snapshots_write_links(const struct snapshots *s);
 
 static int snapshots_take_up(struct snapshots *s)
@@ -157,6 +162,7 @@ static int snapshots_take_up(struct snapshots *s)
 	CHECK(file_join(below, s->folder, "snap"));
 	CHECK(snapshots_scan(s, below, snapshots_take_file, ".h5"));
 	CHECK(snapshots_scan(s, s->folder, series_read, ".pvd"));
+	qsort(s->series, (size_t)s->n_series, sizeof *s->series, series_compare); /* folders have no order */
 	return s->n ? snapshots_write_links(s) : STATUS_OK;
 }
 
