@@ -16,8 +16,8 @@ enum { SCENE_NAME = 64, SCENE_PATH = 1024 };
 
 /* Where in which file a thing was said, for messages that can only be given later. */
 struct scene_place {
-	const char *file; /* owned by the scene; "--set" for an override */
-	int line;
+	const char *file; /* owned by the scene; "--set path=value" for an override */
+	int line;         /* 0 for an override */
 };
 
 struct scene_units {
@@ -159,6 +159,7 @@ struct scene_wall {
 	double temperature;     /* K; NAN = insulating */
 	double heat_share;      /* share of wall friction that heats the material; 0..1, default 0 */
 	double from, until;     /* s; active in [from, until); 0, infinity */
+	bool active;            /* true: a wall with `active = false` is left out of the loaded scene */
 	struct scene_place place;
 };
 
@@ -240,7 +241,6 @@ struct scene_image {
 
 struct scene_guards {
 	double energy_residual; /* share of the work done that the residual may reach; 0 = off; default 0.1 */
-	double overlap;         /* kept in the law: overlap_max */
 	bool points_leaving;    /* true: a point leaving the grid stops the run */
 };
 
