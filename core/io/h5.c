@@ -32,6 +32,8 @@ static int h5_fail(const char *what, const char *name)
 /* The library must not print its stack: h5_fail() says what matters. */
 static void h5_quiet(void) { H5Eset_auto2(H5E_DEFAULT, NULL, NULL); }
 
+void h5_start(void) { H5dont_atexit(); }
+
 int h5_begin(struct h5_output *output, const char *path)
 {
 	h5_quiet();

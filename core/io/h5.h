@@ -12,6 +12,10 @@
 
 #include "io/file.h"
 
+/* To be called before anything else of the library.  Left alone, it tries at exit to write what a full disk
+ * has refused before, and crashes; every file here is closed by the one who opened it. */
+void h5_start(void);
+
 struct h5_output {
 	hid_t file;
 	char path[FILE_PATH], temporary[FILE_PATH];
