@@ -96,7 +96,8 @@ static void record(struct loader *loader, struct scene_place place, const char *
 {
 	char message[1024];
 	vsnprintf(message, sizeof message, format, args);
-	loader->problems = loader_grow(loader, loader->problems, loader->n_problems, &loader->capacity_problems, sizeof *loader->problems);
+	loader->problems =
+		loader_grow(loader, loader->problems, loader->n_problems, &loader->capacity_problems, sizeof *loader->problems);
 	struct problem *problem = &loader->problems[loader->n_problems];
 	problem->place = place, problem->order = loader->n_problems++;
 	problem->path = loader_string(loader, path), problem->message = loader_string(loader, message);
@@ -244,7 +245,8 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 {
 	*scene = NULL;
 	if (strlen(path) >= SCENE_PATH)
-		return error_set(STATUS_INPUT, "'%.60s...' is too long a path, expected at most %d characters", path, SCENE_PATH - 1);
+		return error_set(STATUS_INPUT, "'%.60s...' is too long a path, expected at most %d characters", path,
+						 SCENE_PATH - 1);
 	struct loader *loader = calloc(1, sizeof *loader);
 	struct scene *read = calloc(1, sizeof *read);
 	int status = STATUS_RESOURCE;
@@ -263,8 +265,8 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 		print_problems(loader, errors);
 		status = STATUS_OK;
 		if (loader->n_problems)
-			status = error_set(loader->unreadable ? STATUS_RESOURCE : STATUS_INPUT, "%s: %d error%s", path, loader->n_problems,
-			                   loader->n_problems == 1 ? "" : "s");
+			status = error_set(loader->unreadable ? STATUS_RESOURCE : STATUS_INPUT, "%s: %d error%s", path,
+							   loader->n_problems, loader->n_problems == 1 ? "" : "s");
 	}
 	release(loader);
 	if (status)
