@@ -544,7 +544,7 @@ static void print_origin(const char *path, const struct rve_packing *p)
 static int print_state(const struct rve_model *model, void *state)
 {
 	struct rve_info info;
-	double stress[4], k[3], modulus, a, degrees;
+	double stress[4], k[3], modulus, a = 0.0, degrees = 0.0;
 	CHECK(rve_init(model, 0, state));
 	rve_evaluate(model, state, stress, k, &modulus);
 	rve_get_info(model, state, &info);

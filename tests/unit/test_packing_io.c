@@ -210,7 +210,7 @@ static void files_that_are_no_packings(void **state)
 	assert_non_null(strstr(error_message(), "expected a name that ends in .h5 or .csv"));
 	assert_int_equal(file_write(in_folder("text.h5"), "hello", 5), 0);
 	assert_int_equal(rve_packing_read(&p, in_folder("text.h5")), STATUS_INPUT);
-	assert_non_null(strstr(error_message(), "not an HDF5 file"));
+	assert_non_null(strstr(error_message(), "text.h5: not a packing, expected a packing in HDF5"));
 	assert_null(p);
 
 	assert_int_equal(rve_packing_generate(&p, &small, &grains), 0);
@@ -220,14 +220,13 @@ static void files_that_are_no_packings(void **state)
 	rve_packing_free(p);
 }
 
-/* A damaged file gives an error or the very same packing (a byte that nobody reads), never another packing. */
+/* Any damage is seen before the HDF5 library, which may crash on it, opens the file. */
 static void damaged_hdf5_is_refused(void **state)
 {
 	(void)state;
 	struct rve_packing *whole, *p;
 	char *bytes;
 	size_t size;
-	int refused = 0;
 	const char *path = in_folder("P.h5");
 	assert_int_equal(rve_packing_generate(&whole, &small, &grains), 0);
 	assert_int_equal(rve_packing_write(whole, path), 0);
@@ -238,14 +237,9 @@ static void damaged_hdf5_is_refused(void **state)
 		bytes[at] ^= (char)(1 << k % 8);
 		assert_int_equal(file_write(damaged, bytes, size), 0);
 		bytes[at] ^= (char)(1 << k % 8);
-		int status = rve_packing_read(&p, damaged);
-		refused += status != STATUS_OK;
-		if (status == STATUS_OK) {
-			assert_same(whole, p);
-			rve_packing_free(p);
-		}
+		assert_int_equal(rve_packing_read(&p, damaged), STATUS_INPUT);
+		assert_null(p);
 	}
-	assert_true(refused > 50);
 	for (size_t length = 0; length < size; length += size / 37) {
 		assert_int_equal(file_write(damaged, bytes, length), 0);
 		assert_int_equal(rve_packing_read(&p, damaged), STATUS_INPUT);
@@ -369,16 +363,11 @@ static void processes_may_share_the_cache(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(hdf5_keeps_every_bit),
-		cmocka_unit_test(csv_keeps_the_discs),
-		cmocka_unit_test(other_codes_csv_loads),
-		cmocka_unit_test(mistakes_in_csv_are_told),
-		cmocka_unit_test(files_that_are_no_packings),
-		cmocka_unit_test(damaged_hdf5_is_refused),
-		cmocka_unit_test(cache_gives_the_same_packing),
-		cmocka_unit_test(corrupt_cache_is_made_again),
-		cmocka_unit_test(unwritable_cache_is_no_error),
-		cmocka_unit_test(processes_may_share_the_cache),
+		cmocka_unit_test(hdf5_keeps_every_bit),         cmocka_unit_test(csv_keeps_the_discs),
+		cmocka_unit_test(other_codes_csv_loads),        cmocka_unit_test(mistakes_in_csv_are_told),
+		cmocka_unit_test(files_that_are_no_packings),   cmocka_unit_test(damaged_hdf5_is_refused),
+		cmocka_unit_test(cache_gives_the_same_packing), cmocka_unit_test(corrupt_cache_is_made_again),
+		cmocka_unit_test(unwritable_cache_is_no_error), cmocka_unit_test(processes_may_share_the_cache),
 	};
 	return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
