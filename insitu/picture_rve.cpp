@@ -309,18 +309,22 @@ std::vector<legend_item> legend_items(const page &page, const rve &rve, const ch
 	return items;
 }
 
-// Signs and words in one row, ending at x1.
-void draw_legend(page &page, const std::vector<legend_item> &items, double x1, double y)
+// Length scale on the left, signs and words on the right, in one row; it may be wider than the group above.
+void draw_legend(page &page, const layout &where, const std::vector<legend_item> &items, double y)
 {
-	double u = page.unit, width = 0;
+	double u = page.unit, width = 0, edge = 22 * u;
 	for (const legend_item &item : items)
-		width += item.width + 8 * u + page.text_width(item.text, letters) + legend_gap * u;
-	double x = x1 - width + legend_gap * u;
+		width += legend_gap * u + item.width + 8 * u + page.text_width(item.text, letters);
+	length_scale length = length_scale_make(page, where);
+	double x0 = std::max(edge, std::min(where.window.x0 + 1, page.width - edge - length.width - width));
+	length_scale_draw(page, length, x0, y);
+	double x = std::max(x0 + length.width, where.group.x1 - width);
 	for (const legend_item &item : items) {
+		x += legend_gap * u;
 		item.sign(page, x, y);
 		x += item.width + 8 * u;
 		page.text(item.text, x, y, letters, align::low, align::middle);
-		x += page.text_width(item.text, letters) + legend_gap * u;
+		x += page.text_width(item.text, letters);
 	}
 }
 } // namespace
@@ -357,9 +361,7 @@ bool picture_rve(page &page, const frame_view &frame, const frame_image &image, 
 	if (frame.header().title[0])
 		title += " \u2013 " + std::string(frame.header().title);
 	layout_heading(page, where, title, frame.header().time);
-	layout_length(page, where, 24);
-	draw_legend(page, legend_items(page, rve, chains), std::max(where.group.x1, 0.5 * page.width),
-				where.group.y0 - 24 * page.unit);
+	draw_legend(page, where, legend_items(page, rve, chains), where.group.y0 - 24 * page.unit);
 	layout_note(page, where, frame.channel(discs).note, 60);
 	return true;
 }
