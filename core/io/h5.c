@@ -46,7 +46,7 @@ int h5_begin(struct h5_output *output, const char *path)
 	return STATUS_OK;
 }
 
-int h5_commit(struct h5_output *output)
+static int h5_finish(struct h5_output *output, int (*rename_it)(const char *temporary, const char *path))
 {
 	hid_t file = output->file;
 	if (H5Fflush(file, H5F_SCOPE_LOCAL) < 0) {
@@ -60,8 +60,12 @@ int h5_commit(struct h5_output *output)
 		unlink(output->temporary);
 		return status;
 	}
-	return file_commit(output->temporary, output->path);
+	return rename_it(output->temporary, output->path);
 }
+
+int h5_commit(struct h5_output *output) { return h5_finish(output, file_commit); }
+
+int h5_publish(struct h5_output *output) { return h5_finish(output, file_publish); }
 
 void h5_abandon(struct h5_output *output)
 {

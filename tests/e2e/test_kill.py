@@ -61,5 +61,6 @@ def killed(scene, kills, longest, seed):
 
 
 # quick steps, a checkpoint every 20 of them
-killed(BLOCK + "output = { history_every = 0.0005; snapshot_every = 0.02; checkpoint_every = 0.002; };\n", 12, 0.25, 1)
-killed(COLUMN.replace("end = 0.1", "end = 0.04").replace("checkpoint_every = 0.01", "checkpoint_every = 0.001"), 8, 0.6, 2)
+killed(BLOCK.replace("end = 0.2", "end = 1.0") + "output = { history_every = 0.0005; snapshot_every = 0.02; checkpoint_every = 0.002; };\n",
+       12, 0.3, 1)
+killed(COLUMN.replace("end = 0.1", "end = 0.3").replace("checkpoint_every = 0.01", "checkpoint_every = 0.001"), 8, 0.6, 2)
