@@ -6,9 +6,9 @@
 
 #include "base/error.h"
 
-extern const struct law_type law_thermoelastic;
+extern const struct law_type law_thermoelastic, law_rve;
 
-const struct law_type *const law_types[] = {&law_thermoelastic, NULL};
+const struct law_type *const law_types[] = {&law_thermoelastic, &law_rve, NULL};
 
 static const struct law_type *type_of(const struct scene_law *scene)
 {

@@ -21,7 +21,8 @@ static bool is_string(struct loader *loader, const struct scene_key *key, const 
 
 /* Seen from the file in which it stands; from the working directory on the command line.  The tree keeps the
  * absolute path, so that the scene's text means the same wherever it is stored. */
-void read_packing_file(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+void read_packing_file(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					   const char *path)
 {
 	struct scene_packing *packing = target;
 	char absolute[PATH_MAX];
@@ -39,7 +40,7 @@ void read_packing_file(struct loader *loader, const struct scene_key *key, struc
 	}
 	if (strlen(absolute) >= sizeof packing->file) {
 		problem_at(loader, node->place, path, "'%s' is too long a path, expected at most %zu characters", absolute,
-		           sizeof packing->file - 1);
+				   sizeof packing->file - 1);
 		return;
 	}
 	memcpy(packing->file, absolute, strlen(absolute) + 1);
@@ -47,10 +48,12 @@ void read_packing_file(struct loader *loader, const struct scene_key *key, struc
 }
 
 /* A law in braces joins the scene's laws, behind those of the list; it is called like its material. */
-static int append_law(struct loader *loader, const struct scene_key *key, struct node *node, const char *material, const char *path)
+static int append_law(struct loader *loader, const struct scene_key *key, struct node *node, const char *material,
+					  const char *path)
 {
 	struct scene *scene = loader->scene;
-	struct scene_law *laws = scene_alloc(loader, (size_t)(scene->n_laws + 1) * sizeof *laws), *law = &laws[scene->n_laws];
+	struct scene_law *laws = scene_alloc(loader, (size_t)(scene->n_laws + 1) * sizeof *laws),
+					 *law = &laws[scene->n_laws];
 	if (scene->n_laws)
 		memcpy(laws, scene->laws, (size_t)scene->n_laws * sizeof *laws);
 	scene->laws = laws;
@@ -61,15 +64,17 @@ static int append_law(struct loader *loader, const struct scene_key *key, struct
 	} else {
 		const struct node *type = node_find(node, "type");
 		problem_at(loader, type ? type->place : node->place, path,
-		           type ? "has a type that is not known, expected \"%s\" or \"%s\"" : "has no type, expected \"%s\" or \"%s\"",
-		           key->tables[0].type, key->tables[1].type);
+				   type ? "has a type that is not known, expected \"%s\" or \"%s\""
+						: "has no type, expected \"%s\" or \"%s\"",
+				   key->tables[0].type, key->tables[1].type);
 	}
 	if (!law->name[0])
 		snprintf(law->name, sizeof law->name, "%s", material);
 	return scene->n_laws++;
 }
 
-void read_material_law(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+void read_material_law(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					   const char *path)
 {
 	struct scene_material *material = target;
 	material->law = -1;
@@ -79,7 +84,8 @@ void read_material_law(struct loader *loader, const struct scene_key *key, struc
 		material->law = read_reference(loader, node, "laws", path);
 }
 
-void read_material_name(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+void read_material_name(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+						const char *path)
 {
 	int *material = (int *)((char *)target + key->offset);
 	*material = -1;
@@ -89,8 +95,8 @@ void read_material_name(struct loader *loader, const struct scene_key *key, stru
 
 /* ---- shapes ---- */
 
-static bool read_corners(struct loader *loader, const struct scene_key *key, struct node *node, double low[2], double high[2],
-                         const char *path)
+static bool read_corners(struct loader *loader, const struct scene_key *key, struct node *node, double low[2],
+						 double high[2], const char *path)
 {
 	double v[4];
 	if (!read_numbers(loader, key, node, 4, v, path))
@@ -98,8 +104,8 @@ static bool read_corners(struct loader *loader, const struct scene_key *key, str
 	for (int a = 0; a < 2; a++) {
 		low[a] = v[a], high[a] = v[a + 2];
 		if (low[a] > high[a]) {
-			problem_at(loader, node->place, path, "has %cmin = %g > %cmax = %g, expected %s", "xy"[a], low[a], "xy"[a], high[a],
-			           key->expected);
+			problem_at(loader, node->place, path, "has %cmin = %g > %cmax = %g, expected %s", "xy"[a], low[a], "xy"[a],
+					   high[a], key -> expected);
 			return false;
 		}
 	}
@@ -107,7 +113,8 @@ static bool read_corners(struct loader *loader, const struct scene_key *key, str
 }
 
 /* The polygon that a key `box`, `polygon` or `wedge` means; its number of corners, 0 on a problem. */
-static int read_polygon(struct loader *loader, const struct scene_key *key, struct node *node, double (**vertices)[2], const char *path)
+static int read_polygon(struct loader *loader, const struct scene_key *key, struct node *node, double (**vertices)[2],
+						const char *path)
 {
 	double low[2], high[2], leg[4];
 	if (!strcmp(key->name, "polygon"))
@@ -128,7 +135,8 @@ static int read_polygon(struct loader *loader, const struct scene_key *key, stru
 	return 3;
 }
 
-void read_body_shape(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+void read_body_shape(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					 const char *path)
 {
 	struct scene_body *body = target;
 	if (body->n_vertices)
@@ -136,7 +144,8 @@ void read_body_shape(struct loader *loader, const struct scene_key *key, struct 
 	body->n_vertices = read_polygon(loader, key, node, &body->vertices, path);
 }
 
-void read_wall_shape(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+void read_wall_shape(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					 const char *path)
 {
 	struct scene_wall *wall = target;
 	if (wall->n_vertices)
@@ -144,30 +153,33 @@ void read_wall_shape(struct loader *loader, const struct scene_key *key, struct 
 	bool line = !strcmp(key->name, "line");
 	wall->shape = line ? SCENE_WALL_LINE : SCENE_WALL_POLYGON;
 	wall->n_vertices = line ? read_points(loader, key, node, &wall->vertices, path)
-	                        : read_polygon(loader, key, node, &wall->vertices, path);
+							: read_polygon(loader, key, node, &wall->vertices, path);
 	if (line && wall->n_vertices && wall->n_vertices != 2)
 		problem_at(loader, node->place, path, "has %d points, expected two: %s", wall->n_vertices, key->expected);
 }
 
 void read_box(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
 {
-	read_corners(loader, key, node, (double *)((char *)target + key->offset), (double *)((char *)target + key->n_offset), path);
+	read_corners(loader, key, node, (double *)((char *)target + key->offset),
+				 (double *)((char *)target + key->n_offset), path);
 }
 
 /* ---- stages ---- */
 
-static bool is_string_list(struct loader *loader, const struct scene_key *key, const struct node *node, const char *path)
+static bool is_string_list(struct loader *loader, const struct scene_key *key, const struct node *node,
+						   const char *path)
 {
 	bool good = node->type == NODE_LIST || node->type == NODE_ARRAY;
 	for (int k = 0; good && k < node->n; k++)
 		good = node->children[k]->type == NODE_STRING;
 	if (!good)
-		problem_at(loader, node->place, path, "is %s, expected %s", node->type == NODE_STRING ? "a single string" : "no such list",
-		           key->expected);
+		problem_at(loader, node->place, path, "is %s, expected %s",
+				   node->type == NODE_STRING ? "a single string" : "no such list", key->expected);
 	return good;
 }
 
-void read_stage_walls(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+void read_stage_walls(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					  const char *path)
 {
 	struct scene_stage *stage = target;
 	if (!is_string_list(loader, key, node, path))
@@ -178,7 +190,8 @@ void read_stage_walls(struct loader *loader, const struct scene_key *key, struct
 		stage->walls[k] = read_reference(loader, node->children[k], "walls", path);
 }
 
-void read_stage_then(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+void read_stage_then(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					 const char *path)
 {
 	struct scene_stage *stage = target;
 	if (!is_string_list(loader, key, node, path))
@@ -196,7 +209,8 @@ void read_stage_then(struct loader *loader, const struct scene_key *key, struct 
 
 /* ---- probes and images ---- */
 
-void read_probe_where(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+void read_probe_where(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					  const char *path)
 {
 	struct scene_probe *probe = target;
 	probe->id = -1;
@@ -205,15 +219,16 @@ void read_probe_where(struct loader *loader, const struct scene_key *key, struct
 		if (node->type == NODE_INTEGER && node->integer >= 0)
 			probe->id = (long)node->integer;
 		else
-			problem_at(loader, node->place, path, "is %s, expected %s", node->type == NODE_INTEGER ? "negative" : node_kind(node),
-			           key->expected);
+			problem_at(loader, node->place, path, "is %s, expected %s",
+					   node->type == NODE_INTEGER ? "negative" : node_kind(node), key->expected);
 		return;
 	}
 	probe->kind = !strcmp(key->name, "at") ? SCENE_PROBE_AT : SCENE_PROBE_MATERIAL;
 	read_numbers(loader, key, node, 2, probe->at, path);
 }
 
-void read_component(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+void read_component(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					const char *path)
 {
 	static const struct {
 		const char *name;

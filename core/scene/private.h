@@ -60,7 +60,13 @@ enum key_type {
 	KEY_LIST         /* pointer at offset, int count at n_offset, elements of element_size, `tables` */
 };
 
-enum key_range { RANGE_ANY, RANGE_POSITIVE, RANGE_NOT_NEGATIVE, RANGE_WITHIN /* [min, max] */, RANGE_BETWEEN /* (min, max) */ };
+enum key_range {
+	RANGE_ANY,
+	RANGE_POSITIVE,
+	RANGE_NOT_NEGATIVE,
+	RANGE_WITHIN /* [min, max] */,
+	RANGE_BETWEEN /* (min, max) */
+};
 
 /* The keys of a group; where the key `type` decides which, one entry for each type. */
 struct scene_table {
@@ -74,10 +80,10 @@ struct scene_key {
 	size_t offset;
 	int count;
 	size_t n_offset, element_size;
-	const char *unit;    /* NULL = none */
-	const char *value;   /* default, as it would stand in a file */
-	const char *absent;  /* or what happens when it is left out, in words */
-	bool required;       /* or an error when it is left out */
+	const char *unit;   /* NULL = none */
+	const char *value;  /* default, as it would stand in a file */
+	const char *absent; /* or what happens when it is left out, in words */
+	bool required;      /* or an error when it is left out */
 	enum key_range range;
 	double min, max;
 	const char *const *choices; /* NULL-terminated */
@@ -97,6 +103,9 @@ const struct scene_key *keys_find(const struct scene_key *keys, const char *name
 /* Calls visit() for every key of the table, depth first, with its path ("walls.[].friction"). */
 void scene_keys_visit(void (*visit)(void *data, const char *path, const struct scene_key *key), void *data);
 
+/* What scenarios/reference.cfg says behind a key: unit, meaning, choices, default. */
+void scene_key_comment(const struct scene_key *key, char *text, size_t size);
+
 /* The known path that looks most like `path` (indices are ignored); written to nearest[PATH_LENGTH]. */
 void scene_keys_nearest(const char *path, char *nearest);
 
@@ -108,7 +117,7 @@ int edit_distance(const char *a, const char *b);
 struct problem {
 	struct scene_place place;
 	char *path; /* key concerned; "" = the file */
-	char *message;
+	char *message; /* NULL: only taints its path */
 	int order;
 };
 
@@ -122,10 +131,10 @@ struct loader {
 	int n_problems, capacity_problems;
 	struct problem *problems;
 	int n_files, capacity_files;
-	const char **files; /* in the order of reading, for sorting */
-	int n_lists_laws;   /* laws of the list; those of materials follow */
-	int *n_points;      /* of each body, -1 = unknown */
-	double (**points)[2]; /* malloc'ed by scene_body_points */
+	const char **files;    /* in the order of reading, for sorting */
+	int n_lists_laws;      /* laws of the list; those of materials follow */
+	int *n_points;         /* of each body, -1 = unknown */
+	double (**points)[2];  /* malloc'ed by scene_body_points */
 	void *config, *stream; /* live libconfig or stdio objects, so that a jump leaks nothing */
 	char *buffer;
 	bool unreadable; /* a file was there but could not be read */
@@ -145,10 +154,13 @@ char *path_print(char path[PATH_LENGTH], const char *format, ...) __attribute__(
 
 /* Records a problem: "what is wrong, expected what". */
 void problem_at(struct loader *loader, struct scene_place place, const char *path, const char *format, ...)
-    __attribute__((format(printf, 4, 5)));
+	__attribute__((format(printf, 4, 5)));
 
 /* The same about a key, found in the tree as deep as it is there. */
 void problem_of(struct loader *loader, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* Makes a path count as wrong without a message of its own: one was given elsewhere. */
+void loader_taint(struct loader *loader, const char *path);
 
 /* Has nothing been found wrong at or below this path? */
 bool loader_clean(const struct loader *loader, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -156,8 +168,8 @@ bool loader_clean(const struct loader *loader, const char *format, ...) __attrib
 /* ---- source.c ---- */
 
 struct source {
-	char *text;                /* in the arena, valid input for libconfig apart from syntax */
-	int n_lines, capacity;     /* line k + 1 of the text came from places[k] */
+	char *text;            /* in the arena, valid input for libconfig apart from syntax */
+	int n_lines, capacity; /* line k + 1 of the text came from places[k] */
 	struct scene_place *places;
 };
 
@@ -198,9 +210,12 @@ void tree_set(struct loader *loader, struct node *root, const char *assignment, 
 /* ---- read.c ---- */
 
 void read_scene(struct loader *loader);
-void read_group(struct loader *loader, const struct scene_key *keys, struct node *group, void *target, const char *path);
-bool read_numbers(struct loader *loader, const struct scene_key *key, struct node *node, int n, double *values, const char *path);
-int read_points(struct loader *loader, const struct scene_key *key, struct node *node, double (**points)[2], const char *path);
+void read_group(struct loader *loader, const struct scene_key *keys, struct node *group, void *target,
+				const char *path);
+bool read_numbers(struct loader *loader, const struct scene_key *key, struct node *node, int n, double *values,
+				  const char *path);
+int read_points(struct loader *loader, const struct scene_key *key, struct node *node, double (**points)[2],
+				const char *path);
 int read_reference(struct loader *loader, struct node *node, const char *list, const char *path);
 void describe_expected(const struct scene_key *key, char *text, size_t size);
 double temperature_in(const struct loader *loader, double value);

@@ -9,19 +9,30 @@
 static const char *bare_expected(const struct scene_key *key)
 {
 	switch (key->type) {
-	case KEY_BOOL: return "true or false";
+	case KEY_BOOL:
+		return "true or false";
 	case KEY_INT:
 	case KEY_UNSIGNED:
-	case KEY_LONG: return "an integer";
-	case KEY_FLOAT: return "a number";
-	case KEY_TEMPERATURE: return "a temperature";
-	case KEY_STRING: return "a string in quotes";
-	case KEY_NAME: return "a name in quotes, of letters, digits, _ and -";
-	case KEY_FLOATS: return key->count == 2 ? "two numbers [x, y]" : "numbers [xmin, ymin, xmax, ymax]";
-	case KEY_INTS: return "two integers [x, y]";
-	case KEY_GROUP: return "a group { ... }";
-	case KEY_LIST: return "a list of groups ( { ... }, { ... } )";
-	default: return "a value";
+	case KEY_LONG:
+		return "an integer";
+	case KEY_FLOAT:
+		return "a number";
+	case KEY_TEMPERATURE:
+		return "a temperature";
+	case KEY_STRING:
+		return "a string in quotes";
+	case KEY_NAME:
+		return "a name in quotes, of letters, digits, _ and -";
+	case KEY_FLOATS:
+		return key->count == 2 ? "two numbers [x, y]" : "numbers [xmin, ymin, xmax, ymax]";
+	case KEY_INTS:
+		return "two integers [x, y]";
+	case KEY_GROUP:
+		return "a group { ... }";
+	case KEY_LIST:
+		return "a list of groups ( { ... }, { ... } )";
+	default:
+		return "a value";
 	}
 }
 
@@ -44,11 +55,20 @@ void describe_expected(const struct scene_key *key, char *text, size_t size)
 		}
 	}
 	switch (key->range) {
-	case RANGE_ANY: break;
-	case RANGE_POSITIVE: snprintf(range, sizeof range, " > 0"); break;
-	case RANGE_NOT_NEGATIVE: snprintf(range, sizeof range, " >= 0"); break;
-	case RANGE_WITHIN: snprintf(range, sizeof range, " from %.10g to %.10g", key->min, key->max); break;
-	case RANGE_BETWEEN: snprintf(range, sizeof range, " between %.10g and %.10g", key->min, key->max); break;
+	case RANGE_ANY:
+		break;
+	case RANGE_POSITIVE:
+		snprintf(range, sizeof range, " > 0");
+		break;
+	case RANGE_NOT_NEGATIVE:
+		snprintf(range, sizeof range, " >= 0");
+		break;
+	case RANGE_WITHIN:
+		snprintf(range, sizeof range, " from %.10g to %.10g", key->min, key->max);
+		break;
+	case RANGE_BETWEEN:
+		snprintf(range, sizeof range, " between %.10g and %.10g", key->min, key->max);
+		break;
 	}
 	add(text, size, range);
 	if (key->unit) {
@@ -66,31 +86,40 @@ static void wrong_type(struct loader *loader, const struct scene_key *key, const
 
 /* ---- numbers ---- */
 
-double temperature_in(const struct loader *loader, double value)
-{
-	return scene_temperature_in(loader->scene, value);
-}
+double temperature_in(const struct loader *loader, double value) { return scene_temperature_in(loader->scene, value); }
 
 /* Finite and in the key's range? */
-static bool number_fits(struct loader *loader, const struct scene_key *key, const struct node *node, double value, const char *path)
+static bool number_fits(struct loader *loader, const struct scene_key *key, const struct node *node, double value,
+						const char *path)
 {
 	bool fits = isfinite(value);
 	switch (key->range) {
-	case RANGE_ANY: break;
-	case RANGE_POSITIVE: fits = fits && value > 0.0; break;
-	case RANGE_NOT_NEGATIVE: fits = fits && value >= 0.0; break;
-	case RANGE_WITHIN: fits = fits && value >= key->min && value <= key->max; break;
-	case RANGE_BETWEEN: fits = fits && value > key->min && value < key->max; break;
+	case RANGE_ANY:
+		break;
+	case RANGE_POSITIVE:
+		fits = fits && value > 0.0;
+		break;
+	case RANGE_NOT_NEGATIVE:
+		fits = fits && value >= 0.0;
+		break;
+	case RANGE_WITHIN:
+		fits = fits && value >= key->min && value <= key->max;
+		break;
+	case RANGE_BETWEEN:
+		fits = fits && value > key->min && value < key->max;
+		break;
 	}
 	if (!fits) {
 		char expected[512];
 		describe_expected(key, expected, sizeof expected);
-		problem_at(loader, node->place, path, "is %.10g, expected %s%s", value, isfinite(value) ? "" : "a finite number: ", expected);
+		problem_at(loader, node->place, path, "is %.10g, expected %s%s", value,
+				   isfinite(value) ? "" : "a finite number: ", expected);
 	}
 	return fits;
 }
 
-static bool read_number(struct loader *loader, const struct scene_key *key, const struct node *node, double *value, const char *path)
+static bool read_number(struct loader *loader, const struct scene_key *key, const struct node *node, double *value,
+						const char *path)
 {
 	if (node->type != NODE_NUMBER && node->type != NODE_INTEGER) {
 		wrong_type(loader, key, node, path);
@@ -100,8 +129,8 @@ static bool read_number(struct loader *loader, const struct scene_key *key, cons
 	return number_fits(loader, key, node, node->number, path);
 }
 
-static bool read_integer(struct loader *loader, const struct scene_key *key, const struct node *node, long long least, long long most,
-                         long long *value, const char *path)
+static bool read_integer(struct loader *loader, const struct scene_key *key, const struct node *node, long long least,
+						 long long most, long long *value, const char *path)
 {
 	if (node->type != NODE_INTEGER) {
 		wrong_type(loader, key, node, path);
@@ -116,13 +145,15 @@ static bool read_integer(struct loader *loader, const struct scene_key *key, con
 	return false;
 }
 
-bool read_numbers(struct loader *loader, const struct scene_key *key, struct node *node, int n, double *values, const char *path)
+bool read_numbers(struct loader *loader, const struct scene_key *key, struct node *node, int n, double *values,
+				  const char *path)
 {
 	if ((node->type != NODE_ARRAY && node->type != NODE_LIST) || node->n != n) {
 		char expected[512];
 		describe_expected(key, expected, sizeof expected);
 		if (node->type == NODE_ARRAY || node->type == NODE_LIST)
-			problem_at(loader, node->place, path, "has %d value%s, expected %s", node->n, node->n == 1 ? "" : "s", expected);
+			problem_at(loader, node->place, path, "has %d value%s, expected %s", node->n, node->n == 1 ? "" : "s",
+					   expected);
 		else
 			wrong_type(loader, key, node, path);
 		return false;
@@ -134,7 +165,8 @@ bool read_numbers(struct loader *loader, const struct scene_key *key, struct nod
 }
 
 /* A list of [x, y]; returns their number, 0 on a problem. */
-int read_points(struct loader *loader, const struct scene_key *key, struct node *node, double (**points)[2], const char *path)
+int read_points(struct loader *loader, const struct scene_key *key, struct node *node, double (**points)[2],
+				const char *path)
 {
 	if (node->type != NODE_LIST) {
 		wrong_type(loader, key, node, path);
@@ -154,14 +186,16 @@ int read_points(struct loader *loader, const struct scene_key *key, struct node 
 
 /* ---- text ---- */
 
-static bool read_text(struct loader *loader, const struct scene_key *key, const struct node *node, char *out, size_t size, const char *path)
+static bool read_text(struct loader *loader, const struct scene_key *key, const struct node *node, char *out,
+					  size_t size, const char *path)
 {
 	if (node->type != NODE_STRING) {
 		wrong_type(loader, key, node, path);
 		return false;
 	}
 	if (strlen(node->string) >= size) {
-		problem_at(loader, node->place, path, "has %zu characters, expected at most %zu", strlen(node->string), size - 1);
+		problem_at(loader, node->place, path, "has %zu characters, expected at most %zu", strlen(node->string),
+				   size - 1);
 		return false;
 	}
 	memcpy(out, node->string, strlen(node->string) + 1);
@@ -169,7 +203,8 @@ static bool read_text(struct loader *loader, const struct scene_key *key, const 
 }
 
 /* Names become columns and files: nothing that a file system or a table reader could trip over. */
-static void read_name(struct loader *loader, const struct scene_key *key, const struct node *node, char *out, const char *path)
+static void read_name(struct loader *loader, const struct scene_key *key, const struct node *node, char *out,
+					  const char *path)
 {
 	if (!read_text(loader, key, node, out, SCENE_NAME, path))
 		return;
@@ -202,7 +237,8 @@ int read_reference(struct loader *loader, struct node *node, const char *list, c
 	const char *nearest = NULL;
 	int best = 3;
 	for (int k = 0; candidates && k < candidates->n; k++) {
-		const struct node *name = candidates->children[k]->type == NODE_GROUP ? node_find(candidates->children[k], "name") : NULL;
+		const struct node *name =
+			candidates->children[k]->type == NODE_GROUP ? node_find(candidates->children[k], "name") : NULL;
 		if (!name || name->type != NODE_STRING)
 			continue;
 		int distance = edit_distance(name->string, node->string);
@@ -212,8 +248,8 @@ int read_reference(struct loader *loader, struct node *node, const char *list, c
 			best = distance, nearest = name->string;
 	}
 	if (nearest)
-		problem_at(loader, node->place, path, "\"%s\" is not defined, expected a name in %s (did you mean \"%s\"?)", node->string, list,
-		           nearest);
+		problem_at(loader, node->place, path, "\"%s\" is not defined, expected a name in %s (did you mean \"%s\"?)",
+				   node->string, list, nearest);
 	else
 		problem_at(loader, node->place, path, "\"%s\" is not defined, expected a name in %s", node->string, list);
 	return -1;
@@ -221,23 +257,25 @@ int read_reference(struct loader *loader, struct node *node, const char *list, c
 
 /* ---- groups and lists ---- */
 
-static void read_value(struct loader *loader, const struct scene_key *key, struct node *node, void *base, const char *path);
+static void read_value(struct loader *loader, const struct scene_key *key, struct node *node, void *base,
+					   const char *path);
 
-/* A key that nobody knows: the nearest of its neighbours, else of the whole table. */
-static void unknown_key(struct loader *loader, const struct scene_key *keys, const struct node *node, const char *path)
+/* Reports a key that nobody knows; returns the one that was probably meant, NULL if none is near. */
+static const struct scene_key *unknown_key(struct loader *loader, const struct scene_key *keys, const struct node *node,
+										   const char *path)
 {
-	const char *nearest = NULL;
+	const struct scene_key *nearest = NULL;
 	int best = 1 + (int)strlen(node->name) / 3;
 	if (best < 2)
 		best = 2;
 	for (const struct scene_key *key = keys; key->name; key++) {
 		int distance = edit_distance(node->name, key->name);
 		if (distance < best)
-			best = distance, nearest = key->name;
+			best = distance, nearest = key;
 	}
 	if (nearest) {
-		problem_at(loader, node->place, path, "is not known, expected another key (did you mean '%s'?)", nearest);
-		return;
+		problem_at(loader, node->place, path, "is not known, expected another key (did you mean '%s'?)", nearest->name);
+		return nearest;
 	}
 	char known[512] = "";
 	for (const struct scene_key *key = keys; key->name; key++) {
@@ -245,6 +283,7 @@ static void unknown_key(struct loader *loader, const struct scene_key *keys, con
 		add(known, sizeof known, key->name);
 	}
 	problem_at(loader, node->place, path, "is not known, expected one of %s", known);
+	return NULL;
 }
 
 /* What a value that is left out becomes. */
@@ -253,13 +292,18 @@ static void set_absent(const struct scene_key *key, void *base)
 	char *at = (char *)base + key->offset;
 	switch (key->type) {
 	case KEY_FLOAT:
-	case KEY_TEMPERATURE: *(double *)at = NAN; break;
-	case KEY_LONG: *(long *)at = -1; break;
+	case KEY_TEMPERATURE:
+		*(double *)at = NAN;
+		break;
+	case KEY_LONG:
+		*(long *)at = -1;
+		break;
 	case KEY_FLOATS:
 		for (int k = 0; k < key->count; k++)
 			((double *)at)[k] = NAN;
 		break;
-	default: break;
+	default:
+		break;
 	}
 }
 
@@ -273,7 +317,8 @@ static void read_default(struct loader *loader, const struct scene_key *key, voi
 	read_value(loader, key, tree_parse(loader, &source, path)->children[0], base, path);
 }
 
-static void read_absent(struct loader *loader, const struct scene_key *key, const struct node *group, void *base, const char *path)
+static void read_absent(struct loader *loader, const struct scene_key *key, const struct node *group, void *base,
+						const char *path)
 {
 	set_absent(key, base);
 	if (key->value) {
@@ -290,25 +335,35 @@ static void read_absent(struct loader *loader, const struct scene_key *key, cons
 
 void read_group(struct loader *loader, const struct scene_key *keys, struct node *group, void *target, const char *path)
 {
+	enum { MEANT_MAX = 16 };
+	const struct scene_key *meant[MEANT_MAX];
 	char at[PATH_LENGTH];
 	const char *dot = *path ? "." : "";
+	int n_meant = 0;
 	for (int k = 0; k < group->n; k++)
 		if (!keys_find(keys, group->children[k]->name)) {
 			path_print(at, "%s%s%.64s", path, dot, group->children[k]->name);
-			unknown_key(loader, keys, group->children[k], at);
+			meant[n_meant] = unknown_key(loader, keys, group->children[k], at);
+			n_meant += meant[n_meant] && n_meant + 1 < MEANT_MAX;
 		}
 	for (const struct scene_key *key = keys; key->name; key++) {
 		struct node *node = node_find(group, key->name);
+		bool misspelled = false; /* then it is not missing as well */
+		for (int k = 0; k < n_meant; k++)
+			misspelled |= meant[k] == key;
 		path_print(at, "%s%s%s", path, dot, key->name);
 		if (node)
 			read_value(loader, key, node, target, at);
+		else if (misspelled && key->required)
+			loader_taint(loader, at);
 		else
 			read_absent(loader, key, group, target, at);
 	}
 }
 
 /* Reads one group of a list, or reports which kinds there are when its `type` does not tell. */
-static void read_element(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+static void read_element(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+						 const char *path)
 {
 	if (node->type != NODE_GROUP) {
 		problem_at(loader, node->place, path, "is %s, expected a group { ... }", node_kind(node));
@@ -329,7 +384,8 @@ static void read_element(struct loader *loader, const struct scene_key *key, str
 		read_absent(loader, type, node, target, at);
 }
 
-static void read_list(struct loader *loader, const struct scene_key *key, struct node *node, void *base, const char *path)
+static void read_list(struct loader *loader, const struct scene_key *key, struct node *node, void *base,
+					  const char *path)
 {
 	if (node->type != NODE_LIST && !(node->type == NODE_ARRAY && node->n == 0)) {
 		wrong_type(loader, key, node, path);
@@ -347,7 +403,8 @@ static void read_list(struct loader *loader, const struct scene_key *key, struct
 	}
 }
 
-static void read_value(struct loader *loader, const struct scene_key *key, struct node *node, void *base, const char *path)
+static void read_value(struct loader *loader, const struct scene_key *key, struct node *node, void *base,
+					   const char *path)
 {
 	void *at = (char *)base + key->offset;
 	long long integer = 0;
@@ -382,7 +439,7 @@ static void read_value(struct loader *loader, const struct scene_key *key, struc
 		*(double *)at = temperature_in(loader, numbers[0]);
 		if (*(double *)at < 0.0)
 			problem_at(loader, node->place, path, "is %.10g, below absolute zero, expected at least %s", numbers[0],
-			           loader->scene->units.celsius ? "-273.15 C" : "0 K");
+					   loader->scene->units.celsius ? "-273.15 C" : "0 K");
 		break;
 	case KEY_FLOATS:
 		if (read_numbers(loader, key, node, key->count, numbers, path))
@@ -396,8 +453,12 @@ static void read_value(struct loader *loader, const struct scene_key *key, struc
 				((int *)at)[k] = (int)numbers[k];
 			}
 		break;
-	case KEY_STRING: read_text(loader, key, node, at, (size_t)key->count, path); break;
-	case KEY_NAME: read_name(loader, key, node, at, path); break;
+	case KEY_STRING:
+		read_text(loader, key, node, at, (size_t)key->count, path);
+		break;
+	case KEY_NAME:
+		read_name(loader, key, node, at, path);
+		break;
 	case KEY_CHOICE:
 		if ((choice = read_choice(loader, key, node, path)) >= 0)
 			snprintf(at, SCENE_NAME, "%s", key->choices[choice]);
@@ -410,23 +471,27 @@ static void read_value(struct loader *loader, const struct scene_key *key, struc
 		if ((choice = read_choice(loader, key, node, path)) >= 0)
 			*(bool *)at = choice != 0;
 		break;
-	case KEY_CUSTOM: key->read(loader, key, node, base, path); break;
+	case KEY_CUSTOM:
+		key->read(loader, key, node, base, path);
+		break;
 	case KEY_GROUP:
 		if (node->type == NODE_GROUP)
 			read_group(loader, tables_choose(key->tables, node), node, at, path);
 		else
 			wrong_type(loader, key, node, path);
 		break;
-	case KEY_LIST: read_list(loader, key, node, base, path); break;
+	case KEY_LIST:
+		read_list(loader, key, node, base, path);
+		break;
 	}
 }
 
 /* Where each element of a list stands, for messages that come later. */
-#define PLACES(field, name)                                                                       \
-	do {                                                                                          \
-		const struct node *list_ = node_find(loader->root, name);                                 \
-		for (int k_ = 0; list_ && k_ < list_->n && k_ < loader->scene->n_##field; k_++)            \
-			loader->scene->field[k_].place = list_->children[k_]->place;                           \
+#define PLACES(field, name)                                                                                            \
+	do {                                                                                                               \
+		const struct node *list_ = node_find(loader->root, name);                                                      \
+		for (int k_ = 0; list_ && k_ < list_->n && k_ < loader->scene->n_##field; k_++)                                \
+			loader->scene->field[k_].place = list_->children[k_]->place;                                               \
 	} while (0)
 
 void read_scene(struct loader *loader)

@@ -96,7 +96,8 @@ static void record(struct loader *loader, struct scene_place place, const char *
 {
 	char message[1024];
 	vsnprintf(message, sizeof message, format, args);
-	loader->problems = loader_grow(loader, loader->problems, loader->n_problems, &loader->capacity_problems, sizeof *loader->problems);
+	loader->problems =
+		loader_grow(loader, loader->problems, loader->n_problems, &loader->capacity_problems, sizeof *loader->problems);
 	struct problem *problem = &loader->problems[loader->n_problems];
 	problem->place = place, problem->order = loader->n_problems++;
 	problem->path = loader_string(loader, path), problem->message = loader_string(loader, message);
@@ -116,6 +117,12 @@ void problem_of(struct loader *loader, const char *path, const char *format, ...
 	va_start(args, format);
 	record(loader, tree_walk(loader->root, path)->place, path, format, args);
 	va_end(args);
+}
+
+void loader_taint(struct loader *loader, const char *path)
+{
+	problem_at(loader, loader->root->place, path, "%s", "");
+	loader->problems[loader->n_problems - 1].message = NULL;
 }
 
 bool loader_clean(const struct loader *loader, const char *format, ...)
@@ -159,15 +166,21 @@ static void sort_problems(struct loader *loader)
 	}
 }
 
-static void print_problems(const struct loader *loader, FILE *out)
+/* Returns their number; prints them if there is where. */
+static int print_problems(const struct loader *loader, FILE *out)
 {
-	for (int k = 0; out && k < loader->n_problems; k++) {
+	int n = 0;
+	for (int k = 0; k < loader->n_problems; k++) {
 		const struct problem *p = &loader->problems[k];
+		n += p->message != NULL;
+		if (!out || !p->message)
+			continue;
 		fputs(p->place.file, out);
 		if (p->place.line > 0)
 			fprintf(out, ":%d", p->place.line);
 		fprintf(out, ": %s%s%s\n", p->path, *p->path ? " " : "", p->message);
 	}
+	return n;
 }
 
 /* ---- loading ---- */
@@ -244,7 +257,8 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 {
 	*scene = NULL;
 	if (strlen(path) >= SCENE_PATH)
-		return error_set(STATUS_INPUT, "'%.60s...' is too long a path, expected at most %d characters", path, SCENE_PATH - 1);
+		return error_set(STATUS_INPUT, "'%.60s...' is too long a path, expected at most %d characters", path,
+						 SCENE_PATH - 1);
 	struct loader *loader = calloc(1, sizeof *loader);
 	struct scene *read = calloc(1, sizeof *read);
 	int status = STATUS_RESOURCE;
@@ -260,11 +274,11 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 		snprintf(read->path, sizeof read->path, "%s", path);
 		load(loader, path, n_sets, sets);
 		sort_problems(loader);
-		print_problems(loader, errors);
+		int n = print_problems(loader, errors);
 		status = STATUS_OK;
-		if (loader->n_problems)
-			status = error_set(loader->unreadable ? STATUS_RESOURCE : STATUS_INPUT, "%s: %d error%s", path, loader->n_problems,
-			                   loader->n_problems == 1 ? "" : "s");
+		if (n)
+			status = error_set(loader->unreadable ? STATUS_RESOURCE : STATUS_INPUT, "%s: %d error%s", path, n,
+							   n == 1 ? "" : "s");
 	}
 	release(loader);
 	if (status)

@@ -20,13 +20,13 @@ static bool takes_text(const struct scene_key *key)
 {
 	if (!key)
 		return false;
-	return key->text || key->type == KEY_STRING || key->type == KEY_NAME || key->type == KEY_CHOICE || key->type == KEY_ENUM ||
-	       key->type == KEY_FLAG;
+	return key->text || key->type == KEY_STRING || key->type == KEY_NAME || key->type == KEY_CHOICE ||
+		   key->type == KEY_ENUM || key->type == KEY_FLAG;
 }
 
 /* The value of an assignment: libconfig's syntax; a string may come without its quotes. */
 static struct node *parse_value(struct loader *loader, bool bare, const char *text, struct scene_place place,
-                                const char *path)
+								const char *path)
 {
 	if (bare && text[0] != '"' && text[0] != '(' && text[0] != '[' && text[0] != '{') {
 		struct node *node = node_new(loader, NODE_STRING, place);
@@ -66,7 +66,8 @@ static int element_index(const struct node *list, const char *component, size_t 
 	}
 	for (int k = 0; k < list->n; k++) {
 		const struct node *name = list->children[k]->type == NODE_GROUP ? node_find(list->children[k], "name") : NULL;
-		if (name && name->type == NODE_STRING && strlen(name->string) == length && !memcmp(name->string, component, length))
+		if (name && name->type == NODE_STRING && strlen(name->string) == length &&
+			!memcmp(name->string, component, length))
 			return k;
 	}
 	return -1;
@@ -81,20 +82,21 @@ static void grow(struct loader *loader, struct spot *spot, struct node *child)
 
 /* One step into a list or array; false (recorded) if there is no such element. */
 static bool step_element(struct loader *loader, struct spot *spot, const char *component, size_t length, bool last,
-                         struct scene_place place)
+						 struct scene_place place)
 {
 	struct node *list = spot->node;
 	bool holds = list->type == NODE_LIST || list->type == NODE_ARRAY;
 	int k = holds ? element_index(list, component, length) : -1;
 	if (k < 0 || (k == list->n && !(last && spot->key && spot->key->type == KEY_LIST))) {
 		if (!holds)
-			problem_at(loader, place, spot->path, "is %s, expected a list to take '%.*s' of", node_kind(list), (int)length,
-			           component);
+			problem_at(loader, place, spot->path, "is %s, expected a list to take '%.*s' of", node_kind(list),
+					   (int)length, component);
 		else if (list->n == 0)
-			problem_at(loader, place, spot->path, "has no entry '%.*s', expected [0] to make its first one", (int)length, component);
+			problem_at(loader, place, spot->path, "has no entry '%.*s' yet, expected %s", (int)length, component,
+					   spot->key && spot->key->type == KEY_LIST ? "[0] to make its first one" : "its whole value");
 		else
-			problem_at(loader, place, spot->path, "has no entry '%.*s', expected [0] to [%d]%s", (int)length, component, list->n - 1,
-			           spot->key && spot->key->type == KEY_LIST ? " or the name of one" : "");
+			problem_at(loader, place, spot->path, "has no entry '%.*s', expected [0] to [%d]%s", (int)length, component,
+					   list->n - 1, spot->key && spot->key->type == KEY_LIST ? " or the name of one" : "");
 		return false;
 	}
 	if (k == list->n)
@@ -105,9 +107,26 @@ static bool step_element(struct loader *loader, struct spot *spot, const char *c
 	return true;
 }
 
+/* What a key that is not there yet starts from: its default, so that one entry of it can be changed. */
+static struct node *node_of_default(struct loader *loader, const struct scene_key *key, struct scene_place place)
+{
+	if (key->value) {
+		char text[128];
+		struct source source;
+		snprintf(text, sizeof text, "value = %s", key->value);
+		source_text(loader, text, place, &source);
+		return tree_parse(loader, &source, "")->children[0];
+	}
+	return node_new(loader,
+					key->type == KEY_LIST    ? NODE_LIST
+					: key->type == KEY_GROUP ? NODE_GROUP
+											 : NODE_ARRAY,
+					place);
+}
+
 /* One step into a group, which grows the key if the table knows it. */
 static bool step_key(struct loader *loader, struct spot *spot, const struct scene_table *tables, const char *component,
-                     size_t length, const char *whole, struct scene_place place)
+					 size_t length, const char *whole, struct scene_place place)
 {
 	char name[SCENE_NAME];
 	const struct scene_key *keys = tables_choose(tables, spot->node), *key = NULL;
@@ -121,7 +140,7 @@ static bool step_key(struct loader *loader, struct spot *spot, const struct scen
 	}
 	struct node *next = node_find(spot->node, name);
 	if (!next) {
-		next = node_new(loader, key->type == KEY_LIST ? NODE_LIST : NODE_GROUP, place);
+		next = node_of_default(loader, key, place);
 		next->name = loader_string(loader, name);
 		grow(loader, spot, next);
 	}
@@ -132,12 +151,15 @@ static bool step_key(struct loader *loader, struct spot *spot, const struct scen
 }
 
 /* Walks a path, making what the table knows and the tree lacks. */
-static bool follow(struct loader *loader, struct spot *spot, const struct node *root, const char *path, struct scene_place place)
+static bool follow(struct loader *loader, struct spot *spot, const struct node *root, const char *path,
+				   struct scene_place place)
 {
 	for (const char *at = path;; at += strcspn(at, ".") + 1) {
 		size_t n = strcspn(at, ".");
 		bool last = at[n] == '\0';
-		const struct scene_table *tables = spot->node == root ? scene_root_tables : spot->key ? spot->key->tables : NULL;
+		const struct scene_table *tables = spot->node == root ? scene_root_tables
+										   : spot->key        ? spot->key->tables
+															  : NULL;
 		if (spot->node->type == NODE_GROUP && tables) {
 			if (!step_key(loader, spot, tables, at, n, path, place))
 				return false;
@@ -198,12 +220,13 @@ static struct node *load(struct loader *loader, const char *path, struct scene_p
 
 static struct node *load_variant(struct loader *loader, struct node *variant, const struct chain *chain)
 {
-	struct node *base = node_find(variant, "base"), *set = node_find(variant, "set"), *title = node_find(variant, "title");
+	struct node *base = node_find(variant, "base"), *set = node_find(variant, "set"),
+				*title = node_find(variant, "title");
 	for (int k = 0; k < variant->n; k++) {
 		struct node *child = variant->children[k];
 		if (child != base && child != set && child != title)
-			problem_at(loader, child->place, child->name, "stands in a variant, expected only title, base and set = (\"%s=...\")",
-			           child->name);
+			problem_at(loader, child->place, child->name,
+					   "stands in a variant, expected only title, base and set = (\"%s=...\")", child->name);
 	}
 	if (!base) {
 		problem_at(loader, set->place, "set", "needs a scene to change, expected base = \"file.cfg\" beside it");
@@ -224,7 +247,8 @@ static struct node *load_variant(struct loader *loader, struct node *variant, co
 			node_append(loader, root, title);
 	}
 	if (set && set->type != NODE_LIST && set->type != NODE_ARRAY) {
-		problem_at(loader, set->place, "set", "is %s, expected a list of strings: (\"path=value\", ...)", node_kind(set));
+		problem_at(loader, set->place, "set", "is %s, expected a list of strings: (\"path=value\", ...)",
+				   node_kind(set));
 		return root;
 	}
 	for (int k = 0; set && k < set->n; k++) {
@@ -254,4 +278,7 @@ static struct node *load(struct loader *loader, const char *path, struct scene_p
 	return root;
 }
 
-struct node *tree_load(struct loader *loader, const char *path, struct scene_place from) { return load(loader, path, from, NULL); }
+struct node *tree_load(struct loader *loader, const char *path, struct scene_place from)
+{
+	return load(loader, path, from, NULL);
+}

@@ -15,7 +15,7 @@ struct name_list {
 	struct {
 		const char *name;
 		struct scene_place place;
-	} *names;
+	} * names;
 };
 
 /* An open bracket, and the names already used in it if it is a group. */
@@ -44,9 +44,9 @@ struct assembly {
 struct reader {
 	const char *at, *end;
 	struct scene_place place;
-	bool fixed;     /* a piece of text: its place does not advance */
+	bool fixed;      /* a piece of text: its place does not advance */
 	bool line_empty; /* nothing but blanks so far on this line */
-	char before;    /* the last character that was neither blank nor comment */
+	char before;     /* the last character that was neither blank nor comment */
 };
 
 char *path_beside(struct loader *loader, const char *file, const char *name)
@@ -111,8 +111,11 @@ static void close_bracket(struct assembly *a, struct reader *r, char c, int base
 	}
 	struct level *level = &a->levels[--a->n_levels];
 	if (level->bracket != open) {
-		FATAL(a, r, "'%c' closes the '%c' of %s:%d, expected '%c'", c, level->bracket, level->place.file, level->place.line,
-		      level->bracket == '{' ? '}' : level->bracket == '(' ? ')' : ']');
+		FATAL(a, r, "'%c' closes the '%c' of %s:%d, expected '%c'", c, level->bracket, level->place.file,
+			  level->place.line,
+			  level->bracket == '{'   ? '}'
+			  : level->bracket == '(' ? ')'
+									  : ']');
 		r->at = r->end; /* what follows would be misread */
 	}
 }
@@ -131,8 +134,8 @@ static void note_name(struct assembly *a, struct reader *r, const char *name, si
 	for (int k = 0; k < list->n; k++)
 		if (strlen(list->names[k].name) == length && !memcmp(list->names[k].name, name, length)) {
 			struct scene_place first = list->names[k].place;
-			problem_at(a->loader, r->place, "", "'%.*s' is defined twice, expected once (first at %s:%d)", (int)length, name,
-			           first.file, first.line);
+			problem_at(a->loader, r->place, "", "'%.*s' is defined twice, expected once (first at %s:%d)", (int)length,
+					   name, first.file, first.line);
 			char mark[48];
 			put_text(a, mark, (size_t)snprintf(mark, sizeof mark, DUPLICATE_MARK "%d", a->loader->n_problems));
 			return;
@@ -153,7 +156,8 @@ static void copy_name(struct assembly *a, struct reader *r)
 	if (assigns(r->at, r->end))
 		note_name(a, r, start, length);
 	else if (!(length == 4 && !strncasecmp(start, "true", 4)) && !(length == 5 && !strncasecmp(start, "false", 5)))
-		FATAL(a, r, "'%.*s' is no value, expected a number, true, false, a \"string\" or name = value", (int)length, start);
+		FATAL(a, r, "'%.*s' is no value, expected a number, true, false, a \"string\" or name = value", (int)length,
+			  start);
 }
 
 /* ---- numbers ---- */
@@ -213,17 +217,20 @@ static void copy_number(struct assembly *a, struct reader *r, size_t length, boo
 		errno = 0;
 		long long value = strtoll(text, NULL, is_hex ? 16 : 10);
 		if (errno == ERANGE || (is_hex && text[0] == '-'))
-			FATAL(a, r, "integer %s does not fit 64 bits, expected %lld to %lld (or a number with a point)", text, LLONG_MIN,
-			      LLONG_MAX);
+			FATAL(a, r, "integer %s does not fit 64 bits, expected %lld to %lld (or a number with a point)", text,
+				  LLONG_MIN, LLONG_MAX);
 		else if (a->array == ARRAY_OF_FLOATS && !is_hex)
 			put_text(a, ".0", 2);
 		else if (suffix || a->array == ARRAY_OF_INT64 || value > INT32_MAX || value < INT32_MIN)
 			put(a, 'L');
 	}
 	r->at += length;
-	if (r->at < r->end && (isalnum((unsigned char)*r->at) || *r->at == '_'))
-		FATAL(a, r, "'%.*s%c' is no number, expected digits such as 1.5e-3", (int)(length < 40 ? length : 40), r->at - length,
-		      *r->at);
+	const char *rest = r->at;
+	while (r->at < r->end && (isalnum((unsigned char)*r->at) || *r->at == '_'))
+		r->at++;
+	if (r->at > rest)
+		FATAL(a, r, "'%.*s' is no number, expected digits such as 1.5e-3",
+			  (int)(r->at - rest + (length < 40 ? (long)length : 40)), rest - (length < 40 ? length : 40));
 }
 
 /* What the numbers of the array that begins here have in common. */
@@ -324,7 +331,7 @@ static void include(struct assembly *a, struct reader *r)
 static void assemble(struct assembly *a, struct reader *r)
 {
 	int base = a->n_levels;
-	open_bracket(a, r, 'f'); /* names of the file itself... */
+	open_bracket(a, r, 'f');            /* names of the file itself... */
 	if (base > 0 && a->n_levels > base) /* ...which are those of the place that includes it */
 		a->levels[base].names = a->levels[base - 1].names;
 	while (r->at < r->end) {
@@ -342,6 +349,8 @@ static void assemble(struct assembly *a, struct reader *r)
 		} else if (c == '#' || (c == '/' && r->end - r->at > 1 && (r->at[1] == '/' || r->at[1] == '*'))) {
 			skip_comment(a, r), blank = true;
 		} else if (c == '"') {
+			if (!(r->before ? strchr("=:,(\"[", r->before) != NULL : a->n_levels > 1))
+				FATAL(a, r, "a string has no meaning here, expected name = \"value\" or a comma before it");
 			copy_string(a, r);
 		} else if (c == '@') {
 			include(a, r), blank = true;
@@ -377,8 +386,11 @@ static void assemble(struct assembly *a, struct reader *r)
 	if (a->n_levels > base + 1 && !a->fatal) {
 		const struct level *level = &a->levels[a->n_levels - 1];
 		a->fatal = true;
-		problem_at(a->loader, level->place, "", "'%c' is never closed, expected '%c' before the end of the file", level->bracket,
-		           level->bracket == '{' ? '}' : level->bracket == '(' ? ')' : ']');
+		problem_at(a->loader, level->place, "", "'%c' is never closed, expected '%c' before the end of the file",
+				   level->bracket,
+				   level->bracket == '{'   ? '}'
+				   : level->bracket == '(' ? ')'
+										   : ']');
 	}
 	if (a->n_levels > base && base > 0)
 		a->levels[base - 1].names = a->levels[base].names;
@@ -422,7 +434,7 @@ static bool assemble_file(struct assembly *a, const char *path, struct scene_pla
 		}
 	if (a->depth == INCLUDES_MAX || a->bytes > TEXT_BYTES_MAX) {
 		FATAL(a, &at_from, "too many @include, expected at most %d in each other and %d MB in all", INCLUDES_MAX,
-		      TEXT_BYTES_MAX >> 20);
+			  TEXT_BYTES_MAX >> 20);
 		return false;
 	}
 	size_t bytes = 0;

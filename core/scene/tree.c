@@ -31,7 +31,7 @@ struct node *node_find(const struct node *group, const char *name)
 const char *node_kind(const struct node *node)
 {
 	static const char *const kinds[] = {"a group",  "a list",     "an array", "an integer",
-	                                    "a number", "true/false", "a string"};
+										"a number", "true/false", "a string"};
 	return kinds[node->type];
 }
 
@@ -50,13 +50,27 @@ static struct node *convert(struct loader *loader, const struct source *source, 
 	if (s->name)
 		node->name = loader_string(loader, s->name);
 	switch (s->type) {
-	case CONFIG_TYPE_GROUP: node->type = NODE_GROUP; break;
-	case CONFIG_TYPE_LIST: node->type = NODE_LIST; break;
-	case CONFIG_TYPE_ARRAY: node->type = NODE_ARRAY; break;
-	case CONFIG_TYPE_INT: node->type = NODE_INTEGER, node->integer = s->value.ival; break;
-	case CONFIG_TYPE_INT64: node->type = NODE_INTEGER, node->integer = s->value.llval; break;
-	case CONFIG_TYPE_FLOAT: node->type = NODE_NUMBER, node->number = s->value.fval; break;
-	case CONFIG_TYPE_BOOL: node->type = NODE_BOOL, node->integer = s->value.ival != 0; break;
+	case CONFIG_TYPE_GROUP:
+		node->type = NODE_GROUP;
+		break;
+	case CONFIG_TYPE_LIST:
+		node->type = NODE_LIST;
+		break;
+	case CONFIG_TYPE_ARRAY:
+		node->type = NODE_ARRAY;
+		break;
+	case CONFIG_TYPE_INT:
+		node->type = NODE_INTEGER, node->integer = s->value.ival;
+		break;
+	case CONFIG_TYPE_INT64:
+		node->type = NODE_INTEGER, node->integer = s->value.llval;
+		break;
+	case CONFIG_TYPE_FLOAT:
+		node->type = NODE_NUMBER, node->number = s->value.fval;
+		break;
+	case CONFIG_TYPE_BOOL:
+		node->type = NODE_BOOL, node->integer = s->value.ival != 0;
+		break;
 	default:
 		node->type = NODE_STRING;
 		node->string = loader_string(loader, s->value.sval ? s->value.sval : "");
@@ -80,8 +94,9 @@ struct node *tree_parse(struct loader *loader, const struct source *source, cons
 	if (config_read_string(&config, source->text))
 		root = convert(loader, source, config_root_setting(&config));
 	else
-		problem_at(loader, place_of(source, config_error_line(&config)), path, "%s, expected name = value; or name = { ... };",
-		           config_error_text(&config) ? config_error_text(&config) : "syntax error");
+		problem_at(loader, place_of(source, config_error_line(&config)), path,
+				   "%s, expected name = value; or name = { ... };",
+				   config_error_text(&config) ? config_error_text(&config) : "syntax error");
 	loader->config = NULL;
 	config_destroy(&config);
 	return root;
@@ -180,14 +195,24 @@ static void write_node(const struct node *node, int depth, FILE *out)
 		indent(depth, out);
 		fputc('}', out);
 		break;
-	case NODE_LIST: write_elements(node, depth, '(', ')', out); break;
-	case NODE_ARRAY: write_elements(node, depth, '[', ']', out); break;
+	case NODE_LIST:
+		write_elements(node, depth, '(', ')', out);
+		break;
+	case NODE_ARRAY:
+		write_elements(node, depth, '[', ']', out);
+		break;
 	case NODE_INTEGER:
 		fprintf(out, "%lld%s", node->integer, node->integer != (int)node->integer ? "L" : "");
 		break;
-	case NODE_NUMBER: write_number(node->number, out); break;
-	case NODE_BOOL: fputs(node->integer ? "true" : "false", out); break;
-	case NODE_STRING: write_string(node->string, out); break;
+	case NODE_NUMBER:
+		write_number(node->number, out);
+		break;
+	case NODE_BOOL:
+		fputs(node->integer ? "true" : "false", out);
+		break;
+	case NODE_STRING:
+		write_string(node->string, out);
+		break;
 	}
 }
 
