@@ -216,13 +216,11 @@ static int create_laws(struct mpm *mpm, int n, const struct birth *births)
 		if (count == 0)
 			continue;
 		status = law_create(&mpm->laws[mpm->n_laws], &scene->laws[s], count, variant);
-		if (status == STATUS_OK) {
-			snprintf(w->law_names[mpm->n_laws], sizeof *w->law_names, "laws/%s", scene->laws[s].name);
-			mpm->n_laws++, w->law_start[mpm->n_laws] = w->law_start[mpm->n_laws - 1] + count;
-		} else
-			error_context(status, "%s:%d: law '%s'",
-						  scene->laws[s].place.file ? scene->laws[s].place.file : scene->path,
-						  scene->laws[s].place.line, scene->laws[s].name);
+		if (status != STATUS_OK)
+			break;
+		snprintf(w->law_names[mpm->n_laws], sizeof *w->law_names, "laws/%s", scene->laws[s].name);
+		mpm->n_laws++;
+		w->law_start[mpm->n_laws] = w->law_start[mpm->n_laws - 1] + count;
 	}
 	free(variant);
 	return status;
