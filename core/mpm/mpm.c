@@ -2,6 +2,7 @@
 #include "mpm/mpm.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -9,6 +10,8 @@
 #include "base/error.h"
 #include "base/mat2.h"
 #include "mpm/mpm_private.h"
+
+enum { SERIAL_POINTS = 4096 }; /* below: see step_motion_threads() */
 
 static long long now_ns(void)
 {
@@ -54,17 +57,16 @@ static int advance_laws(struct mpm *mpm)
 static void collect_heat(struct mpm *mpm)
 {
 	struct particles *p = &mpm->p;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (p->n >= SERIAL_POINTS)
 	for (int k = 0; k < p->n; k++)
 		p->heat_pending[k] += p->heat[k] * mat2_determinant(p->F[k]) * p->volume0[k] * mpm->dt;
 }
 
 /* ---- one step ---- */
 
-int mpm_step(struct mpm *mpm)
+/* Everything but the law: weights, to grid, forces, heat, integrate, walls, to points. */
+static int step_motion(struct mpm *mpm)
 {
-	struct mpm_work *w = mpm_work(mpm);
-	long long start = now_ns();
 	CHECK(guard_residual(mpm));
 	stage_begin_step(mpm);
 	walls_update(mpm);
@@ -78,7 +80,7 @@ int mpm_step(struct mpm *mpm)
 	CHECK(guard_step(mpm, STATUS_GUARD));
 	mpm_integrate_nodes(mpm);
 	mpm_finish_nodes(mpm);
-	if (w->thermal_dt > 0.0)
+	if (mpm_work(mpm)->thermal_dt > 0.0)
 		mpm_heat_nodes(mpm);
 	mpm_grid_to_points(mpm);
 
@@ -86,7 +88,25 @@ int mpm_step(struct mpm *mpm)
 	walls_move(mpm);
 	mpm->step++;
 	mpm->time = (double)mpm->step * mpm->dt;
-	CHECK(guard_points(mpm));
+	return guard_points(mpm);
+}
+
+/* A pass over a few thousand points takes less time than waking threads for it, and on a machine whose cores
+ * have other work (a viewer's) every such pass would wait for the slowest core.  The bits are the same. */
+static int step_motion_threads(struct mpm *mpm)
+{
+	int threads = omp_get_max_threads();
+	if (mpm->p.n < SERIAL_POINTS)
+		omp_set_num_threads(1);
+	int status = step_motion(mpm);
+	omp_set_num_threads(threads);
+	return status;
+}
+
+int mpm_step(struct mpm *mpm)
+{
+	long long start = now_ns();
+	CHECK(step_motion_threads(mpm));
 	long long law_start = now_ns();
 	CHECK(advance_laws(mpm));
 	long long law_end = now_ns();
