@@ -13,8 +13,8 @@
 
 struct shape; /* shape.h */
 
-/* Nodes nx by ny, node (i, j) = j * nx + i at origin + (i, j) h.  Arrays have nx * ny entries and are
- * valid after a step where mass > 0. */
+/* Nodes nx by ny, node (i, j) = j * nx + i at origin + (i, j) h; one ghost cell lies around the scene's box.
+ * Arrays have nx * ny entries and are valid after a step where mass > 0. */
 struct grid {
 	int nx, ny;
 	double origin[2], h, thickness; /* m */
@@ -78,6 +78,7 @@ struct mpm {
 	double (*wall_offset)[2];  /* m, how far each wall has moved */
 	struct mpm_ledger ledger;  /* filled by mpm_measure() */
 	double stable_step;        /* s, b h sqrt(rho/M) of the last step's stiffest point (thermal limit included) */
+	double thermal_limit;      /* s, the largest time.step that heat conduction allowed in its last step */
 	long long law_time_ns, mpm_time_ns; /* wall time so far in the law and in everything else of the step */
 	void *work;                /* private: see mpm_private.h */
 };

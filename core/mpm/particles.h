@@ -29,6 +29,7 @@ struct particles {
 	double *heat;       /* W/m3, from the law */
 	double (*conductivity)[3]; /* W/(m K): xx yy xy */
 	double *capacity;   /* J/(kg K) */
+	double *heat_pending; /* J, heat of the law that waits for the next thermal step */
 	double *heat_friction_sum; /* J/m3 of initial volume, heat received from the law so far */
 };
 

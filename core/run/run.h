@@ -8,18 +8,22 @@ struct run_options {
 	const char *scene_path;
 	int n_sets;
 	const char *const *sets;  /* path=value */
-	const char *out;          /* folder; NULL = NAME.out beside the working directory */
+	const char *out;          /* folder; NULL = NAME.out in the working directory */
 	int threads;              /* 0 = all */
 	const char *device;       /* "cpu" */
 	const char *restart;      /* checkpoint file or NULL */
 	double until;             /* s, NAN = the scene's end */
-	bool quiet, force;
+	bool quiet, force, allow_path_change;
 };
 
-/* Runs a scene to its end; returns a status (exit code). */
+/* Runs a scene to its end; returns a status (exit code).  Messages of a scene's errors have been written to
+ * stderr; of other failures error_message() tells. */
 int run_scene(const struct run_options *options);
 
 /* `tmdempm check`. */
-int run_check(const char *scene_path, int n_sets, const char *const *sets);
+int run_check(const char *scene_path, int n_sets, const char *const *sets, int threads);
+
+/* `tmdempm info`. */
+int run_info(bool json);
 
 #endif

@@ -315,9 +315,6 @@ static void message_handle(struct viewer *viewer, struct frame_message *message)
 			snprintf(viewer->given_up, sizeof viewer->given_up, "%s", message->text);
 		slot_release(viewer, message->slot, true);
 		break;
-	case FRAME_MSG_LOG:
-		note(viewer, "viewer: %s", message->text);
-		break;
 	default:
 		break;
 	}

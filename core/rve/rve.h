@@ -85,11 +85,14 @@ struct rve_info {
 	int n_contacts;
 	int sub_steps;       /* of the last advance */
 	double inertial_number;
+	double unbalanced;   /* mean net force on a disc / mean normal force */
+	unsigned inertia[12]; /* calls so far by inertial number: < 1e-6, then 2 bins a decade, > 1e-1 */
 	int flags;           /* enum rve_flag */
 	int variant;
 	int reseeded, rebuilds, clamped; /* so far */
 	long long total_sub_steps;
-	/* ledgers, J of the cell with its z, since birth or reset */
+	/* ledgers, J of the cell with its z, since birth or reset; work begins as the energy stored then, so that
+	 * work = elastic + kinetic + friction + dashpot + bond + discarded - expansion */
 	double work, elastic, kinetic, friction, dashpot, bond, expansion, discarded;
 };
 

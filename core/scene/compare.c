@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const free_settings[] = {"title", "output", "images", "probes", "regions", "inspect"};
+static const char *const free_settings[] = {"title", "output", "images", "inspect"};
 
 static void compare_drop_free(config_t *config)
 {

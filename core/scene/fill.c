@@ -39,13 +39,13 @@ int scene_body_points(const struct scene *scene, const struct scene_body *body, 
 	double columns = last[0] - first[0] + 1.0, rows = last[1] - first[1] + 1.0;
 	if (!(columns * rows <= POINTS_MAX))
 		return error_set(STATUS_INPUT, "body '%s' spans %.3g lattice points, expected at most %.0g", body->name,
-		                 columns * rows, POINTS_MAX);
+						 columns * rows, POINTS_MAX);
 	double(*points)[2] = NULL;
 	int count = 0, capacity = 0;
 	for (int j = 0; j < (int)rows; j++)
 		for (int i = 0; i < (int)columns; i++) {
 			double p[2] = {origin[0] + (first[0] + i + 0.5) * s, origin[1] + (first[1] + j + 0.5) * s};
-			if (!polygon_contains(body->n_vertices, (const double (*)[2])body->vertices, p, ON_EDGE * s))
+			if (!polygon_contains(body->n_vertices, (const double(*)[2])body->vertices, p, ON_EDGE * s))
 				continue;
 			if (count == capacity) {
 				capacity = capacity ? 2 * capacity : 1024;

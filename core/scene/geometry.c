@@ -17,7 +17,7 @@ double polygon_area(int n, const double (*v)[2])
 
 void polygon_orient(int n, double (*v)[2])
 {
-	if (polygon_area(n, (const double (*)[2])v) >= 0.0)
+	if (polygon_area(n, (const double(*)[2])v) >= 0.0)
 		return;
 	for (int i = 0, j = n - 1; i < j; i++, j--) {
 		double x = v[i][0], y = v[i][1];
@@ -65,14 +65,15 @@ static int side(const double a[2], const double b[2], const double p[2], double 
 
 bool segments_cross(const double a[2], const double b[2], const double c[2], const double d[2], double tolerance)
 {
-	return side(a, b, c, tolerance) * side(a, b, d, tolerance) < 0 && side(c, d, a, tolerance) * side(c, d, b, tolerance) < 0;
+	return side(a, b, c, tolerance) * side(a, b, d, tolerance) < 0 &&
+		   side(c, d, a, tolerance) * side(c, d, b, tolerance) < 0;
 }
 
 static bool segments_touch(const double a[2], const double b[2], const double c[2], const double d[2], double tolerance)
 {
 	return segments_cross(a, b, c, d, tolerance) || segment_distance(a, b, c) <= tolerance ||
-	       segment_distance(a, b, d) <= tolerance || segment_distance(c, d, a) <= tolerance ||
-	       segment_distance(c, d, b) <= tolerance;
+		   segment_distance(a, b, d) <= tolerance || segment_distance(c, d, a) <= tolerance ||
+		   segment_distance(c, d, b) <= tolerance;
 }
 
 bool polygon_is_simple(int n, const double (*v)[2], double tolerance, int *i, int *j)
@@ -82,7 +83,7 @@ bool polygon_is_simple(int n, const double (*v)[2], double tolerance, int *i, in
 		*j = (*i + 1) % n;
 		/* neighbours share b: only an edge without length or one that runs back is wrong */
 		if (hypot(b[0] - a[0], b[1] - a[1]) <= tolerance || segment_distance(a, b, c) <= tolerance ||
-		    segment_distance(b, c, a) <= tolerance)
+			segment_distance(b, c, a) <= tolerance)
 			return false;
 		for (*j = *i + 2; *j < n; (*j)++)
 			if (!(*i == 0 && *j == n - 1) && segments_touch(a, b, v[*j], v[(*j + 1) % n], tolerance))

@@ -16,8 +16,8 @@ enum { SCENE_NAME = 64, SCENE_PATH = 1024 };
 
 /* Where in which file a thing was said, for messages that can only be given later. */
 struct scene_place {
-	const char *file; /* owned by the scene; "--set" for an override */
-	int line;
+	const char *file; /* owned by the scene; "--set path=value" for an override */
+	int line;         /* 0 for an override */
 };
 
 struct scene_units {
@@ -59,42 +59,42 @@ struct scene_thermal {
 enum scene_law_type { SCENE_LAW_THERMOELASTIC, SCENE_LAW_RVE };
 
 struct scene_law_thermoelastic {
-	double young;     /* Pa */
-	double poisson;   /* - */
-	double expansion; /* 1/K, linear */
+	double young;      /* Pa */
+	double poisson;    /* - */
+	double expansion;  /* 1/K, linear */
 	bool plane_stress; /* default false: plane strain */
 };
 
 /* How to make (or where to find) the packing of an RVE law; see rve/packing.h. */
 struct scene_packing {
-	char file[SCENE_PATH]; /* .h5 or .csv, resolved relative to the scene's file; "" = generate */
-	char lattice[SCENE_NAME]; /* "" = random; "square" = noise-free square lattice */
-	int discs;             /* 400 */
+	char file[SCENE_PATH];         /* .h5 or .csv, resolved relative to the scene's file; "" = generate */
+	char lattice[SCENE_NAME];      /* "" = random; "square" = noise-free square lattice */
+	int discs;                     /* 400 */
 	double radius_min, radius_max; /* m, uniform; 0.25e-3, 0.5e-3 */
-	double pressure;       /* Pa, isotropic consolidation */
-	double mu;             /* friction during consolidation */
-	double void_ratio;     /* NAN, or the target (mu found by bisection) */
-	unsigned seed;         /* 1 */
+	double pressure;               /* Pa, isotropic consolidation */
+	double mu;                     /* friction during consolidation */
+	double void_ratio;             /* NAN, or the target (mu found by bisection) */
+	unsigned seed;                 /* 1 */
 };
 
 struct scene_law_rve {
 	struct scene_packing packing;
-	double kn, ks;              /* N/m; 1e6 each */
-	double mu;                  /* 0.5 */
-	double damping_ratio;       /* zeta; 0.2 */
-	double grain_density;       /* kg/m3; 2650 */
-	double disc_thickness;      /* z, m; 0.075 */
-	double expansion;           /* beta, 1/K; 1e-4 */
-	double resistance;          /* kappa, K/(W m); 1e4 */
-	double step_factor;         /* dt_DEM = factor sqrt(m_min/kn); 0.4 */
-	double strain_per_step;     /* deps_max at 100 kPa; 5e-5 */
-	bool pressure_scaling;      /* deps = deps_max min(1, sqrt(p/100 kPa)), >= deps_max/10; true */
-	int n_max;                  /* 20; 0 = no clamp */
-	double skin;                /* Verlet skin / r_max; 0.2 */
-	bool gas;                   /* free-flying points cost nothing; true */
-	double gas_pressure;        /* 20 Pa */
-	double gas_stretch;         /* 1.12 */
-	double overlap_max;         /* guard: overlap / smaller radius; 0.3 */
+	double kn, ks;          /* N/m; 1e6 each */
+	double mu;              /* 0.5 */
+	double damping_ratio;   /* zeta; 0.2 */
+	double grain_density;   /* kg/m3; 2650 */
+	double disc_thickness;  /* z, m; 0.075 */
+	double expansion;       /* beta, 1/K; 1e-4 */
+	double resistance;      /* kappa, K/(W m); 1e4 */
+	double step_factor;     /* dt_DEM = factor sqrt(m_min/kn); 0.4 */
+	double strain_per_step; /* deps_max at 100 kPa; 5e-5 */
+	bool pressure_scaling;  /* deps = deps_max min(1, sqrt(p/100 kPa)), >= deps_max/10; true */
+	int n_max;              /* 20; 0 = no clamp */
+	double skin;            /* Verlet skin / r_max; 0.2 */
+	bool gas;               /* free-flying points cost nothing; true */
+	double gas_pressure;    /* 20 Pa */
+	double gas_stretch;     /* 1.12 */
+	double overlap_max;     /* guard: overlap / smaller radius; 0.3 */
 };
 
 struct scene_law {
@@ -107,10 +107,10 @@ struct scene_law {
 
 struct scene_material {
 	char name[SCENE_NAME];
-	int law;              /* index into laws */
-	double density;       /* bulk, kg/m3; NAN = from the RVE: grain density / (1 + e) */
-	double heat_capacity; /* J/(kg K); NAN where there is no heat */
-	double conductivity;  /* W/(m K); NAN = from the law */
+	int law;                      /* index into laws */
+	double density;               /* bulk, kg/m3; NAN = from the RVE: grain density / (1 + e) */
+	double heat_capacity;         /* J/(kg K); NAN where there is no heat */
+	double conductivity;          /* W/(m K); NAN = from the law */
 	double reference_temperature; /* K, where thermal strain is zero; NAN = the body's temperature */
 	struct scene_place place;
 };
@@ -118,7 +118,7 @@ struct scene_material {
 /* ---- bodies ---- */
 
 struct scene_layer {
-	double top;         /* m, upper y of this layer; layers from the bottom up */
+	double top; /* m, upper y of this layer; layers from the bottom up */
 	int material;
 	double temperature; /* K */
 };
@@ -126,13 +126,13 @@ struct scene_layer {
 struct scene_body {
 	char name[SCENE_NAME];
 	int material;
-	int n_vertices;          /* a box is given as its 4 vertices */
-	double (*vertices)[2];   /* m, counter-clockwise after loading */
-	double lattice_origin[2];/* m; NAN = the grid's origin: points sit at (i + 1/2) cell/side from here */
-	int points_per_cell;     /* 1, 4, 9, 16 */
-	double temperature;      /* K */
-	double velocity[2];      /* m/s */
-	int variants;            /* packings with seeds seed .. seed+n-1 dealt out in turn; 1 */
+	int n_vertices;           /* a box is given as its 4 vertices */
+	double (*vertices)[2];    /* m, counter-clockwise after loading */
+	double lattice_origin[2]; /* m; NAN = the grid's origin: points sit at (i + 1/2) cell/side from here */
+	int points_per_cell;      /* 1, 4, 9, 16 */
+	double temperature;       /* K */
+	double velocity[2];       /* m/s */
+	int variants;             /* packings with seeds seed .. seed+n-1 dealt out in turn; 1 */
 	int n_layers;
 	struct scene_layer *layers; /* empty: one material */
 	struct scene_place place;
@@ -151,14 +151,15 @@ struct scene_wall {
 	char name[SCENE_NAME];
 	enum scene_wall_shape shape; /* boxes and wedges are loaded as polygons */
 	int n_vertices;
-	double (*vertices)[2];  /* m; a line's solid lies on the right of first -> second; a polygon's inside (CCW) */
-	double depth;           /* m, of a line's solid behind it; default 2 cells */
+	double (*vertices)[2]; /* m; a line's solid lies on the right of first -> second; a polygon's inside (CCW) */
+	double depth;          /* m, of a line's solid behind it; default 2 cells */
 	enum scene_wall_contact contact;
-	double friction;        /* 0 */
-	double velocity[2];     /* m/s; the wall moves with it */
-	double temperature;     /* K; NAN = insulating */
-	double heat_share;      /* share of wall friction that heats the material; 0..1, default 0 */
-	double from, until;     /* s; active in [from, until); 0, infinity */
+	double friction;    /* 0 */
+	double velocity[2]; /* m/s; the wall moves with it */
+	double temperature; /* K; NAN = insulating */
+	double heat_share;  /* share of wall friction that heats the material; 0..1, default 0 */
+	double from, until; /* s; active in [from, until); 0, infinity */
+	bool active;        /* true: a wall with `active = false` is left out of the loaded scene */
 	struct scene_place place;
 };
 
@@ -178,9 +179,9 @@ struct scene_boundary {
 
 struct scene_stage {
 	char name[SCENE_NAME];
-	double duration;     /* s; the last may be infinite (until time.end) */
-	double damping;      /* 1/s, added to the particle damping */
-	int n_walls;         /* -1 = all walls; else only these (within their from/until) */
+	double duration; /* s; the last may be infinite (until time.end) */
+	double damping;  /* 1/s, added to the particle damping */
+	int n_walls;     /* -1 = all walls; else only these (within their from/until) */
 	int *walls;
 	bool then_zero_velocity, then_zero_ledger; /* `then = [...]`, done when the stage ends */
 	struct scene_place place;
@@ -193,8 +194,8 @@ enum scene_probe_kind { SCENE_PROBE_ID, SCENE_PROBE_AT, SCENE_PROBE_MATERIAL };
 struct scene_probe {
 	char name[SCENE_NAME];
 	enum scene_probe_kind kind;
-	long id;       /* SCENE_PROBE_ID: the point's id */
-	double at[2];  /* m: fixed place (AT), or place in the initial body (MATERIAL) */
+	long id;      /* SCENE_PROBE_ID: the point's id */
+	double at[2]; /* m: fixed place (AT), or place in the initial body (MATERIAL) */
 	struct scene_place place;
 };
 
@@ -207,7 +208,7 @@ struct scene_region {
 /* An RVE to be watched: written to files, its path recorded, drawn. */
 struct scene_inspect {
 	char name[SCENE_NAME];
-	long id;       /* -1 = nearest to `at` in the initial body */
+	long id; /* -1 = nearest to `at` in the initial body */
 	double at[2];
 	struct scene_place place;
 };
@@ -225,35 +226,34 @@ enum scene_image_kind { SCENE_IMAGE_POINTS, SCENE_IMAGE_RVE };
 struct scene_image {
 	char name[SCENE_NAME];
 	enum scene_image_kind kind;
-	char field[SCENE_NAME];    /* a name of the field table; RVE: "displacement", "rotation", "coordination", "radius" */
-	int component;             /* -1 = magnitude (or the scalar itself), else 0.. */
-	char rve[SCENE_NAME];      /* name in `inspect` */
-	double view[4];            /* m: xmin ymin xmax ymax; NAN = the grid */
-	int size[2];               /* pixels */
-	char map[SCENE_NAME];      /* "viridis", "inferno", "coolwarm" (diverging) */
-	bool range_auto;           /* true: from the data at each image */
-	double range[2];           /* in the scene's unit */
-	char unit[SCENE_NAME];     /* "" = the field's */
-	double every;              /* s; default output.snapshot_every */
+	char field[SCENE_NAME]; /* a name of the field table; RVE: "displacement", "rotation", "coordination", "radius" */
+	int component;          /* -1 = magnitude (or the scalar itself), else 0.. */
+	char rve[SCENE_NAME];   /* name in `inspect` */
+	double view[4];         /* m: xmin ymin xmax ymax; NAN = the grid */
+	int size[2];            /* pixels */
+	char map[SCENE_NAME];   /* "viridis", "inferno", "coolwarm" (diverging) */
+	bool range_auto;        /* true: from the data at each image */
+	double range[2];        /* in the scene's unit */
+	char unit[SCENE_NAME];  /* "" = the field's */
+	double every;           /* s; default output.snapshot_every */
 	struct scene_place place;
 };
 
 struct scene_guards {
 	double energy_residual; /* share of the work done that the residual may reach; 0 = off; default 0.1 */
-	double overlap;         /* kept in the law: overlap_max */
 	bool points_leaving;    /* true: a point leaving the grid stops the run */
 };
 
 struct scene {
-	char path[SCENE_PATH];  /* the file as given */
-	char *text;             /* the scene as it was read, bases and overrides applied: valid libconfig */
+	char path[SCENE_PATH]; /* the file as given */
+	char *text;            /* the scene as it was read, bases and overrides applied: valid libconfig */
 	char title[256];
 	struct scene_units units;
 	struct scene_grid grid;
 	struct scene_time time;
 	struct scene_mpm mpm;
 	struct scene_thermal thermal;
-	double gravity[2];      /* m/s2 */
+	double gravity[2]; /* m/s2 */
 	int n_laws, n_materials, n_bodies, n_walls, n_boundaries, n_stages;
 	struct scene_law *laws;
 	struct scene_material *materials;

@@ -19,7 +19,7 @@ static struct scene scene_of(double x, double y, double cell)
 static int count(const struct scene *scene, int n, double (*v)[2], int per_cell)
 {
 	struct scene_body body = {
-	    .n_vertices = n, .vertices = v, .points_per_cell = per_cell, .lattice_origin = {NAN, NAN}};
+		.n_vertices = n, .vertices = v, .points_per_cell = per_cell, .lattice_origin = {NAN, NAN}};
 	double(*x)[2];
 	int points;
 	assert_int_equal(scene_body_points(scene, &body, &x, &points), 0);
@@ -31,7 +31,8 @@ static int count(const struct scene *scene, int n, double (*v)[2], int per_cell)
 	return points;
 }
 
-/* TM-DEMPM section 5.3.2: 1088 points. 368 in the hopper (points on the 45 degree walls do not count) + 18 rows of 40. */
+/* TM-DEMPM section 5.3.2: 1088 points. 368 in the hopper (points on the 45 degree walls do not count) + 18 rows of 40.
+ */
 static void silo_has_1088_points(void **state)
 {
 	(void)state;
@@ -78,8 +79,7 @@ static void absurd_counts_are_refused(void **state)
 	(void)state;
 	struct scene scene = scene_of(0.0, 0.0, 1e-6);
 	double box[][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-	struct scene_body body = {
-	    .n_vertices = 4, .vertices = box, .points_per_cell = 1, .lattice_origin = {NAN, NAN}};
+	struct scene_body body = {.n_vertices = 4, .vertices = box, .points_per_cell = 1, .lattice_origin = {NAN, NAN}};
 	double(*x)[2];
 	int n;
 	assert_int_equal(scene_body_points(&scene, &body, &x, &n), 2);
@@ -111,9 +111,9 @@ static void polygons_are_judged(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	    cmocka_unit_test(silo_has_1088_points),         cmocka_unit_test(box_has_all_its_points),
-	    cmocka_unit_test(points_on_edges_do_not_count), cmocka_unit_test(concave_polygon),
-	    cmocka_unit_test(absurd_counts_are_refused),    cmocka_unit_test(polygons_are_judged),
+		cmocka_unit_test(silo_has_1088_points),         cmocka_unit_test(box_has_all_its_points),
+		cmocka_unit_test(points_on_edges_do_not_count), cmocka_unit_test(concave_polygon),
+		cmocka_unit_test(absurd_counts_are_refused),    cmocka_unit_test(polygons_are_judged),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

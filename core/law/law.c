@@ -1,0 +1,49 @@
+#include "law/law.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+
+extern const struct law_type law_thermoelastic, law_rve;
+
+const struct law_type *const law_types[] = {&law_thermoelastic, &law_rve, NULL};
+
+static const struct law_type *type_of(const struct scene_law *scene)
+{
+	const char *name = scene->type == SCENE_LAW_RVE ? "rve" : "thermoelastic";
+	for (int i = 0; law_types[i]; i++)
+		if (!strcmp(law_types[i]->name, name))
+			return law_types[i];
+	return NULL;
+}
+
+int law_create(struct law **result, const struct scene_law *scene, int n_points, const int *variant)
+{
+	*result = NULL;
+	const struct law_type *type = type_of(scene);
+	if (!type)
+		return error_set(STATUS_INPUT, "law '%s': this build does not have its type", scene->name);
+	struct law *law = calloc(1, sizeof *law);
+	if (!law)
+		return error_set(STATUS_RESOURCE, "out of memory for law '%s'", scene->name);
+	law->type = type;
+	law->n_points = n_points;
+	law->density = NAN;
+	memcpy(law->name, scene->name, sizeof law->name);
+	int status = type->create(law, scene, n_points, variant);
+	if (status == STATUS_OK)
+		*result = law;
+	else
+		law_free(law);
+	return status;
+}
+
+void law_free(struct law *law)
+{
+	if (!law)
+		return;
+	law->type->destroy(law);
+	free(law);
+}

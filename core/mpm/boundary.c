@@ -1,0 +1,120 @@
+/* Values imposed on nodes in boxes: velocities, temperatures (also those of heated walls). */
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/error.h"
+#include "mpm/mpm_private.h"
+
+static const double ON_BOX = 1e-9; /* of h */
+
+/* The nodes of a box; one that reaches the scene's edge also holds the ghost nodes beyond it. */
+static void box_nodes(const struct mpm *mpm, const struct scene_boundary *b, int low[2], int high[2])
+{
+	const struct grid *grid = &mpm->grid;
+	const int count[2] = {grid->nx, grid->ny};
+	for (int c = 0; c < 2; c++) {
+		double min = (b->min[c] - grid->origin[c]) / grid->h, max = (b->max[c] - grid->origin[c]) / grid->h;
+		low[c] = min < GHOST_CELLS + ON_BOX ? 0 : (int)fmin(ceil(min - ON_BOX), count[c]);
+		high[c] = max > count[c] - 1 - GHOST_CELLS - ON_BOX ? count[c] - 1 : (int)fmax(floor(max + ON_BOX), -1.0);
+	}
+}
+
+static void impose(struct mpm *mpm, const struct scene_boundary *b)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	int low[2], high[2];
+	box_nodes(mpm, b, low, high);
+	for (int j = low[1]; j <= high[1]; j++)
+		for (int i = low[0]; i <= high[0]; i++) {
+			size_t node = (size_t)j * (size_t)mpm->grid.nx + (size_t)i;
+			for (int c = 0; c < 2; c++)
+				if (w->fixed_v && !isnan(b->velocity[c]))
+					w->fixed_v[node][c] = b->velocity[c];
+			if (w->fixed_T && !isnan(b->temperature))
+				w->fixed_T[node] = b->temperature, w->fixed_T_wall[node] = -1;
+		}
+}
+
+/* Half a step of grace: times are sums of steps. */
+static bool boundary_active(const struct mpm *mpm, const struct scene_boundary *b)
+{
+	double now = mpm->time + 0.5 * mpm->scene->time.step;
+	return now >= b->from && now < b->until;
+}
+
+static void rebuild(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny;
+	for (size_t k = 0; k < nodes; k++) {
+		if (w->fixed_T)
+			w->fixed_T[k] = NAN, w->fixed_T_wall[k] = -1;
+		if (w->fixed_v)
+			w->fixed_v[k][0] = w->fixed_v[k][1] = NAN;
+	}
+	for (int e = 0; w->fixed_T && e < w->n_wall_nodes; e++) {
+		double T = mpm->scene->walls[w->wall_nodes[e].wall].temperature;
+		if (!isnan(T)) {
+			w->fixed_T[w->wall_nodes[e].node] = T;
+			w->fixed_T_wall[w->wall_nodes[e].node] = w->wall_nodes[e].wall;
+		}
+	}
+	for (int b = 0; b < mpm->scene->n_boundaries; b++)
+		if (w->boundary_on[b])
+			impose(mpm, &mpm->scene->boundaries[b]);
+}
+
+void boundaries_update(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	for (int b = 0; b < mpm->scene->n_boundaries; b++) {
+		bool on = boundary_active(mpm, &mpm->scene->boundaries[b]);
+		w->boundaries_stale = w->boundaries_stale || on != w->boundary_on[b];
+		w->boundary_on[b] = on;
+	}
+	if (w->boundaries_stale)
+		rebuild(mpm);
+	w->boundaries_stale = false;
+}
+
+int boundaries_create(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, n = (size_t)mpm->scene->n_boundaries;
+	bool velocities = false, complete = true;
+	w->boundary_on = calloc(n + 1, sizeof *w->boundary_on);
+	w->flux = calloc(n + 1, sizeof *w->flux);
+	complete = w->boundary_on && w->flux;
+	for (int b = 0; b < mpm->scene->n_boundaries && complete; b++) {
+		const struct scene_boundary *boundary = &mpm->scene->boundaries[b];
+		velocities = velocities || !isnan(boundary->velocity[0]) || !isnan(boundary->velocity[1]);
+		if (!isnan(boundary->flux))
+			w->flux[w->n_flux++] = b;
+	}
+	if (velocities) {
+		w->fixed_v = calloc(nodes, sizeof *w->fixed_v);
+		w->fixed_push = calloc(nodes, sizeof *w->fixed_push);
+		complete = complete && w->fixed_v && w->fixed_push;
+	}
+	if (mpm->thermal) {
+		w->fixed_T = calloc(nodes, sizeof *w->fixed_T);
+		w->fixed_T_wall = calloc(nodes, sizeof *w->fixed_T_wall);
+		w->fixed_heat = calloc(nodes, sizeof *w->fixed_heat);
+		complete = complete && w->fixed_T && w->fixed_T_wall && w->fixed_heat;
+	}
+	w->boundaries_stale = true;
+	return complete ? STATUS_OK
+					: error_set(STATUS_RESOURCE, "out of memory for the boundary values of %zu nodes", nodes);
+}
+
+void boundaries_free(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	free(w->boundary_on);
+	free(w->flux);
+	free(w->fixed_v);
+	free(w->fixed_push);
+	free(w->fixed_T);
+	free(w->fixed_T_wall);
+	free(w->fixed_heat);
+}

@@ -1,0 +1,497 @@
+/* Life of the whole, and its one step. */
+#include "mpm/mpm.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/error.h"
+#include "base/mat2.h"
+#include "mpm/mpm_private.h"
+
+static long long now_ns(void)
+{
+	struct timespec t;
+	clock_gettime(CLOCK_MONOTONIC, &t);
+	return t.tv_sec * 1000000000LL + t.tv_nsec;
+}
+
+/* ---- the laws ---- */
+
+/* The points of law l, as they lie in storage. */
+static struct law_batch law_batch_of(struct mpm *mpm, int l)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	struct particles *p = &mpm->p;
+	int at = w->law_start[l];
+	return (struct law_batch){.n = w->law_start[l + 1] - at,
+							  .slot = p->slot + at,
+							  .F = (const double(*)[4])(p->F + at),
+							  .L = (const double(*)[4])(p->L + at),
+							  .T = p->T_smooth + at,
+							  .dT = p->dT + at,
+							  .dt = mpm->dt,
+							  .stress = p->stress + at,
+							  .heat = p->heat + at,
+							  .conductivity = p->conductivity + at,
+							  .modulus = p->modulus + at,
+							  .failed = -1};
+}
+
+static int advance_laws(struct mpm *mpm)
+{
+	for (int l = 0; l < mpm->n_laws; l++) {
+		struct law_batch batch = law_batch_of(mpm, l);
+		int status = mpm->laws[l]->type->advance(mpm->laws[l], &batch);
+		if (status != STATUS_OK)
+			return guard_law(mpm, status, batch.failed < 0 ? -1 : mpm_work(mpm)->law_start[l] + batch.failed);
+	}
+	return STATUS_OK;
+}
+
+/* Friction heat waits for the thermal step that will spend it. */
+static void collect_heat(struct mpm *mpm)
+{
+	struct particles *p = &mpm->p;
+#pragma omp parallel for schedule(static)
+	for (int k = 0; k < p->n; k++)
+		p->heat_pending[k] += p->heat[k] * mat2_determinant(p->F[k]) * p->volume0[k] * mpm->dt;
+}
+
+/* ---- one step ---- */
+
+int mpm_step(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	long long start = now_ns();
+	CHECK(guard_residual(mpm));
+	stage_begin_step(mpm);
+	walls_update(mpm);
+	boundaries_update(mpm);
+	mpm_sort(mpm);
+	if (mpm->step % RESORT_STEPS == 0)
+		mpm_resort_storage(mpm);
+
+	mpm_clear_grid(mpm);
+	mpm_points_to_grid(mpm);
+	CHECK(guard_step(mpm, STATUS_GUARD));
+	mpm_integrate_nodes(mpm);
+	mpm_finish_nodes(mpm);
+	if (w->thermal_dt > 0.0)
+		mpm_heat_nodes(mpm);
+	mpm_grid_to_points(mpm);
+
+	ledger_add_step(mpm);
+	walls_move(mpm);
+	mpm->step++;
+	mpm->time = (double)mpm->step * mpm->dt;
+	CHECK(guard_points(mpm));
+	long long law_start = now_ns();
+	CHECK(advance_laws(mpm));
+	long long law_end = now_ns();
+	if (mpm->thermal && mpm->scene->thermal.friction_heat)
+		collect_heat(mpm);
+	stage_end_step(mpm);
+	mpm->law_time_ns += law_end - law_start;
+	mpm->mpm_time_ns += now_ns() - law_end + law_start - start;
+	return STATUS_OK;
+}
+
+/* ---- birth ---- */
+
+static int create_grid(struct mpm *mpm)
+{
+	struct grid *grid = &mpm->grid;
+	const struct scene_grid *s = &mpm->scene->grid;
+	grid->h = s->cell;
+	grid->thickness = s->thickness;
+	grid->nx = (int)lround(s->size[0] / s->cell) + 1 + 2 * GHOST_CELLS;
+	grid->ny = (int)lround(s->size[1] / s->cell) + 1 + 2 * GHOST_CELLS;
+	for (int c = 0; c < 2; c++)
+		grid->origin[c] = s->origin[c] - GHOST_CELLS * s->cell;
+	size_t n = (size_t)grid->nx * (size_t)grid->ny;
+	grid->mass = calloc(n, sizeof *grid->mass);
+	grid->v = calloc(n, sizeof *grid->v);
+	grid->v_new = calloc(n, sizeof *grid->v_new);
+	grid->force = calloc(n, sizeof *grid->force);
+	bool complete = grid->mass && grid->v && grid->v_new && grid->force;
+	if (mpm->thermal) {
+		grid->heat_capacity = calloc(n, sizeof *grid->heat_capacity);
+		grid->T = calloc(n, sizeof *grid->T);
+		grid->T_new = calloc(n, sizeof *grid->T_new);
+		complete = complete && grid->heat_capacity && grid->T && grid->T_new;
+	}
+	return complete ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for a grid of %zu nodes", n);
+}
+
+static int create_work(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	const struct grid *grid = &mpm->grid;
+	size_t nodes = (size_t)grid->nx * (size_t)grid->ny, n = (size_t)mpm->p.n;
+	w->shape_grid = (struct shape_grid){{grid->origin[0], grid->origin[1]}, 1.0 / grid->h, grid->nx};
+	w->cells_x = grid->nx - 1, w->cells_y = grid->ny - 1;
+	w->n_stripes = (w->cells_y + STRIPE_ROWS - 1) / STRIPE_ROWS;
+	w->internal_force_scale = 1.0;
+	w->cell = malloc((n + 1) * sizeof *w->cell);
+	w->order = malloc((n + 1) * sizeof *w->order);
+	w->permutation = malloc((n + 1) * sizeof *w->permutation);
+	w->scratch = malloc((n + 1) * particles_widest());
+	w->cell_first = calloc((size_t)w->cells_x * (size_t)w->cells_y + 2, sizeof *w->cell_first);
+	w->row_low = calloc((size_t)grid->ny, sizeof *w->row_low);
+	w->row_high = calloc((size_t)grid->ny, sizeof *w->row_high);
+	w->sums = aligned_alloc(64, nodes * sizeof *w->sums);
+	w->stripe_sums = calloc((size_t)w->n_stripes, sizeof *w->stripe_sums);
+	w->block_sums = calloc(n / BLOCK_POINTS + 1, sizeof *w->block_sums);
+	w->row_sums = calloc((size_t)grid->ny, sizeof *w->row_sums);
+	w->heat_sums = calloc((size_t)grid->ny, sizeof *w->heat_sums);
+	bool complete = w->cell && w->order && w->permutation && w->scratch && w->cell_first && w->row_low && w->row_high &&
+					w->sums && w->stripe_sums && w->block_sums && w->row_sums && w->heat_sums;
+	if (complete)
+		memset(w->sums, 0, nodes * sizeof *w->sums);
+	if (mpm->scene->mpm.confining_pressure != 0.0) {
+		w->confining = calloc(nodes, sizeof *w->confining);
+		complete = complete && w->confining;
+	}
+	return complete ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for %zu points on %zu nodes", n, nodes);
+}
+
+/* A point before it has its place in storage. */
+struct birth {
+	double x[2];
+	int body, material, variant;
+	double temperature;
+};
+
+static int births_of_body(const struct scene *scene, int b, struct birth **births, int *n)
+{
+	const struct scene_body *body = &scene->bodies[b];
+	double(*x)[2];
+	int count;
+	CHECK(scene_body_points(scene, body, &x, &count));
+	if (count == 0)
+		return error_set(STATUS_INPUT,
+						 "%s:%d: body '%s' holds no point, expected at least one lattice point strictly inside",
+						 body->place.file ? body->place.file : scene->path, body->place.line, body->name);
+	struct birth *grown = realloc(*births, (size_t)(*n + count) * sizeof *grown);
+	if (!grown) {
+		free(x);
+		return error_set(STATUS_RESOURCE, "out of memory for the points of body '%s'", body->name);
+	}
+	*births = grown;
+	for (int k = 0; k < count; k++) {
+		struct birth *birth = &grown[*n + k];
+		int layer = scene_body_layer(body, x[k][1]);
+		*birth = (struct birth){.x = {x[k][0], x[k][1]}, .body = b};
+		birth->material = layer < 0 ? body->material : body->layers[layer].material;
+		birth->temperature = layer < 0 ? body->temperature : body->layers[layer].temperature;
+		birth->variant = body->variants > 1 ? k % body->variants : 0;
+	}
+	*n += count;
+	free(x);
+	return STATUS_OK;
+}
+
+/* Instances for the laws that have points; law_start says where in storage their points lie. */
+static int create_laws(struct mpm *mpm, int n, const struct birth *births)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	const struct scene *scene = mpm->scene;
+	mpm->laws = calloc((size_t)scene->n_laws + 1, sizeof *mpm->laws);
+	w->law_start = calloc((size_t)scene->n_laws + 2, sizeof *w->law_start);
+	w->law_of_scene = malloc(((size_t)scene->n_laws + 1) * sizeof *w->law_of_scene);
+	int *variant = malloc(((size_t)n + 1) * sizeof *variant);
+	int status = mpm->laws && w->law_start && w->law_of_scene && variant
+					 ? STATUS_OK
+					 : error_set(STATUS_RESOURCE, "out of memory for laws");
+	for (int s = 0; s < scene->n_laws && status == STATUS_OK; s++) {
+		int count = 0;
+		for (int k = 0; k < n; k++)
+			if (scene->materials[births[k].material].law == s)
+				variant[count++] = births[k].variant;
+		w->law_of_scene[s] = count > 0 ? mpm->n_laws : -1;
+		if (count == 0)
+			continue;
+		status = law_create(&mpm->laws[mpm->n_laws], &scene->laws[s], count, variant);
+		if (status == STATUS_OK)
+			mpm->n_laws++, w->law_start[mpm->n_laws] = w->law_start[mpm->n_laws - 1] + count;
+		else
+			error_context(status, "%s:%d: law '%s'",
+						  scene->laws[s].place.file ? scene->laws[s].place.file : scene->path,
+						  scene->laws[s].place.line, scene->laws[s].name);
+	}
+	free(variant);
+	return status;
+}
+
+static int material_error(const struct scene *scene, int m, const char *what)
+{
+	const struct scene_material *material = &scene->materials[m];
+	return error_set(STATUS_INPUT, "%s:%d: material '%s': %s",
+					 material->place.file ? material->place.file : scene->path, material->place.line, material->name,
+					 what);
+}
+
+/* Puts a point into storage. */
+static int give_birth(struct mpm *mpm, const struct birth *birth, int id, int at, int slot)
+{
+	const struct scene *scene = mpm->scene;
+	struct particles *p = &mpm->p;
+	const struct scene_material *material = &scene->materials[birth->material];
+	const struct scene_body *body = &scene->bodies[birth->body];
+	int l = mpm_work(mpm)->law_of_scene[material->law];
+	double side = scene_body_spacing(scene, body),
+		   density = isnan(material->density) ? mpm->laws[l]->density : material->density;
+	if (!(density > 0.0))
+		return material_error(scene, birth->material, "no density, expected one here or a law that has one");
+	if (mpm->thermal && !(material->heat_capacity > 0.0))
+		return material_error(scene, birth->material, "no heat_capacity, expected one where there is heat");
+	p->id[at] = id, p->body[at] = birth->body, p->material[at] = birth->material, p->law[at] = l, p->slot[at] = slot;
+	for (int c = 0; c < 2; c++) {
+		p->x[at][c] = p->x0[at][c] = birth->x[c];
+		p->v[at][c] = body->velocity[c];
+	}
+	mat2_identity(p->F[at]);
+	p->volume0[at] = side * side * scene->grid.thickness;
+	p->mass[at] = density * p->volume0[at];
+	p->T[at] = p->T_smooth[at] = birth->temperature;
+	p->capacity[at] = mpm->thermal ? material->heat_capacity : 0.0;
+	p->dT[at] = isnan(material->reference_temperature) ? 0.0 : birth->temperature - material->reference_temperature;
+	return STATUS_OK;
+}
+
+/* Storage begins in the order of birth within each law, as the laws' slots do. */
+static int create_points(struct mpm *mpm, int n, const struct birth *births)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	const struct scene *scene = mpm->scene;
+	CHECK(particles_create(&mpm->p, n));
+	int next[scene->n_laws + 1];
+	memset(next, 0, sizeof next);
+	for (int k = 0; k < n; k++) {
+		int l = w->law_of_scene[scene->materials[births[k].material].law];
+		CHECK(give_birth(mpm, &births[k], k, w->law_start[l] + next[l], next[l]));
+		next[l]++;
+	}
+	w->half = calloc((size_t)scene->n_bodies + 1, sizeof *w->half);
+	w->conductivity = calloc((size_t)scene->n_materials + 1, sizeof *w->conductivity);
+	if (!w->half || !w->conductivity)
+		return error_set(STATUS_RESOURCE, "out of memory");
+	for (int b = 0; b < scene->n_bodies; b++)
+		w->half[b] = 0.5 * scene_body_spacing(scene, &scene->bodies[b]) / scene->grid.cell;
+	for (int m = 0; m < scene->n_materials; m++)
+		w->conductivity[m] = scene->materials[m].conductivity;
+	return STATUS_OK;
+}
+
+static int fill(struct mpm *mpm)
+{
+	struct birth *births = NULL;
+	int n = 0, status = STATUS_OK;
+	for (int b = 0; b < mpm->scene->n_bodies && status == STATUS_OK; b++)
+		status = births_of_body(mpm->scene, b, &births, &n);
+	if (status == STATUS_OK && n == 0)
+		status = error_set(STATUS_INPUT, "%s: no bodies, expected at least one", mpm->scene->path);
+	if (status == STATUS_OK)
+		status = create_laws(mpm, n, births);
+	if (status == STATUS_OK)
+		status = create_points(mpm, n, births);
+	free(births);
+	return status;
+}
+
+/* No point may begin in a wall. */
+static int check_walls(const struct mpm *mpm)
+{
+	const struct scene *scene = mpm->scene;
+	for (int wall = 0; wall < scene->n_walls; wall++)
+		for (int k = 0; k < mpm->p.n && mpm_work(mpm)->wall_on[wall]; k++)
+			if (wall_contains(mpm, wall, mpm->p.x[k], 1e-6 * mpm->grid.h)) {
+				const struct scene_wall *s = &scene->walls[wall];
+				const struct scene_body *body = &scene->bodies[mpm->p.body[k]];
+				return error_set(
+					STATUS_INPUT,
+					"%s:%d: wall '%s' covers points of body '%s' (one at %.6g, %.6g m), expected them apart",
+					s->place.file ? s->place.file : scene->path, s->place.line, s->name, body->name, mpm->p.x[k][0],
+					mpm->p.x[k][1]);
+			}
+	return STATUS_OK;
+}
+
+/* The laws' start state: they are told the way from their reference temperature to that at birth. */
+static int start_laws(struct mpm *mpm)
+{
+	struct particles *p = &mpm->p;
+	bool warm = false;
+	for (int k = 0; k < p->n; k++)
+		warm = warm || p->dT[k] != 0.0;
+	mpm->dt = mpm->scene->time.step;
+	if (warm)
+		CHECK(advance_laws(mpm));
+	memset(p->dT, 0, (size_t)p->n * sizeof *p->dT);
+	for (int l = 0; l < mpm->n_laws; l++) {
+		struct law_batch batch = law_batch_of(mpm, l);
+		CHECK(mpm->laws[l]->type->evaluate(mpm->laws[l], &batch));
+	}
+	return STATUS_OK;
+}
+
+static int create_all(struct mpm *mpm)
+{
+	const struct scene *scene = mpm->scene;
+	mpm->thermal = scene->thermal.on;
+	mpm->shape = shape_find(scene->mpm.shape);
+	if (!mpm->shape)
+		return error_set(STATUS_INPUT, "%s: mpm.shape = \"%s\" is unknown, see `tmdempm info` for what there is",
+						 scene->path, scene->mpm.shape);
+	CHECK(create_grid(mpm));
+	CHECK(fill(mpm));
+	CHECK(create_work(mpm));
+	CHECK(walls_create(mpm));
+	CHECK(boundaries_create(mpm));
+	CHECK(start_laws(mpm));
+	stage_begin_step(mpm);
+	walls_update(mpm);
+	boundaries_update(mpm);
+	CHECK(check_walls(mpm));
+
+	/* one look at the grid: the smooth temperature, and is the step stable? */
+	mpm_sort(mpm);
+	mpm_clear_grid(mpm);
+	mpm_work(mpm)->thermal_dt = mpm->thermal ? mpm->dt * scene->time.thermal_every : 0.0;
+	mpm_points_to_grid(mpm);
+	if (mpm->thermal)
+		mpm_remap_temperature(mpm);
+	CHECK(guard_step(mpm, STATUS_INPUT));
+	mpm_clear_grid(mpm);
+	ledger_start(mpm);
+	mpm_measure(mpm);
+	return STATUS_OK;
+}
+
+int mpm_create(struct mpm **result, const struct scene *scene)
+{
+	*result = NULL;
+	struct mpm *mpm = calloc(1, sizeof *mpm);
+	if (!mpm)
+		return error_set(STATUS_RESOURCE, "out of memory");
+	mpm->scene = scene;
+	mpm->work = calloc(1, sizeof(struct mpm_work));
+	int status = mpm->work ? create_all(mpm) : error_set(STATUS_RESOURCE, "out of memory");
+	if (status == STATUS_OK)
+		*result = mpm;
+	else
+		mpm_free(mpm);
+	return status;
+}
+
+void mpm_free(struct mpm *mpm)
+{
+	if (!mpm)
+		return;
+	struct mpm_work *w = mpm_work(mpm);
+	struct grid *grid = &mpm->grid;
+	void *arrays[] = {grid->mass, grid->v, grid->v_new, grid->force, grid->heat_capacity, grid->T, grid->T_new};
+	for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+		free(arrays[k]);
+	for (int l = 0; l < mpm->n_laws; l++)
+		law_free(mpm->laws[l]);
+	free(mpm->laws);
+	particles_free(&mpm->p);
+	if (w) {
+		walls_free(mpm);
+		boundaries_free(mpm);
+		void *private[] = {w->half,       w->law_start,   w->law_of_scene, w->conductivity, w->cell,        w->order,
+						   w->cell_first, w->row_low,     w->row_high,     w->scratch,      w->permutation, w->sums,
+						   w->confining,  w->stripe_sums, w->block_sums,   w->row_sums,     w->heat_sums};
+		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
+			free(private[k]);
+		free(w);
+	}
+	free(mpm);
+}
+
+/* ---- look-up ---- */
+
+int mpm_point_by_id(const struct mpm *mpm, int id)
+{
+	for (int k = 0; k < mpm->p.n; k++)
+		if (mpm->p.id[k] == id)
+			return k;
+	return -1;
+}
+
+/* Of equally near points the one born first, so that the answer does not depend on storage. */
+int mpm_point_nearest_initial(const struct mpm *mpm, const double at[2])
+{
+	const struct particles *p = &mpm->p;
+	int best = -1;
+	double least = INFINITY;
+	for (int k = 0; k < p->n; k++) {
+		double dx = p->x0[k][0] - at[0], dy = p->x0[k][1] - at[1], d = dx * dx + dy * dy;
+		if (d < least || (d == least && p->id[k] < p->id[best]))
+			least = d, best = k;
+	}
+	return best;
+}
+
+/* ---- state ---- */
+
+static int add_array(struct mpm_state_array *arrays, int at, const char *name, void *data, char type, size_t count)
+{
+	if (arrays)
+		arrays[at] = (struct mpm_state_array){name, data, type, count};
+	return at + 1;
+}
+
+int mpm_state(struct mpm *mpm, struct mpm_state_array *arrays)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	size_t walls = (size_t)mpm->scene->n_walls;
+	int n = particles_state(&mpm->p, arrays, 0);
+	for (int l = 0; l < mpm->n_laws; l++)
+		n = add_array(arrays, n, mpm->laws[l]->name, mpm->laws[l]->states, 'b',
+					  (size_t)mpm->laws[l]->n_points * mpm->laws[l]->state_bytes);
+	n = add_array(arrays, n, "mpm/step", &mpm->step, 'q', 1);
+	n = add_array(arrays, n, "mpm/time", &mpm->time, 'd', 1);
+	n = add_array(arrays, n, "mpm/dt", &mpm->dt, 'd', 1);
+	n = add_array(arrays, n, "mpm/stage", &mpm->stage, 'i', 1);
+	n = add_array(arrays, n, "mpm/stage_start", &mpm->stage_start, 'd', 1);
+	n = add_array(arrays, n, "mpm/stable_step", &mpm->stable_step, 'd', 1);
+	n = add_array(arrays, n, "mpm/thermal_limit", &mpm->thermal_limit, 'd', 1);
+	n = add_array(arrays, n, "mpm/ledger_sums", &w->total, 'd', sizeof w->total / sizeof(double));
+	if (walls) {
+		n = add_array(arrays, n, "walls/sums", mpm->walls, 'd', walls * sizeof *mpm->walls / sizeof(double));
+		n = add_array(arrays, n, "walls/offset", mpm->wall_offset, 'd', walls * 2);
+	}
+	if (w->wall_heat)
+		n = add_array(arrays, n, "grid/wall_heat", w->wall_heat, 'd', (size_t)mpm->grid.nx * (size_t)mpm->grid.ny);
+	return n;
+}
+
+int mpm_restored(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	if (mpm->step < 0 || mpm->stage < 0 || (mpm->stage > 0 && mpm->stage >= mpm->scene->n_stages))
+		return error_set(STATUS_INPUT, "the saved state is at step %lld of stage %d, which this scene does not have",
+						 mpm->step, mpm->stage);
+	w->boundaries_stale = true;
+	w->residual_message[0] = '\0';
+	walls_update(mpm);
+	boundaries_update(mpm);
+	return STATUS_OK;
+}
+
+size_t mpm_memory(const struct mpm *mpm)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, n = (size_t)mpm->p.n;
+	size_t per_node = sizeof(struct node_sum) + 7 * sizeof(double) + (mpm->thermal ? 6 * sizeof(double) : 0) +
+					  (w->fixed_v ? 4 * sizeof(double) : 0) + (w->confining ? 2 * sizeof(double) : 0) + sizeof(int);
+	size_t bytes = particles_bytes(mpm->p.n) + n * (3 * sizeof(int) + particles_widest()) + nodes * per_node +
+				   (size_t)w->wall_node_capacity * (sizeof(struct wall_node) + sizeof(struct wall_effect));
+	for (int l = 0; l < mpm->n_laws; l++)
+		bytes += (size_t)mpm->laws[l]->n_points * mpm->laws[l]->state_bytes;
+	return bytes;
+}

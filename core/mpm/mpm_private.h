@@ -1,0 +1,198 @@
+/* What the files of core/mpm share among themselves (and with their own tests).
+ *
+ * Same bits for any number of threads: points are listed by grid cell (order[]), rows of grid cells are
+ * grouped in stripes of STRIPE_ROWS; stripes of one parity touch no node in common, so all even stripes
+ * add to the grid at once, then all odd ones, each in its own fixed order.  Every sum is made of partial
+ * sums over fixed pieces (stripes, blocks of points, rows of nodes) that are then added up in turn. */
+#ifndef TMDEMPM_MPM_PRIVATE_H
+#define TMDEMPM_MPM_PRIVATE_H
+
+#include "mpm/mpm.h"
+#include "mpm/shape.h"
+
+enum {
+	STRIPE_ROWS = 4,    /* rows of grid cells; more than 2 reach + 1, so that equal parities never meet */
+	BLOCK_POINTS = 256, /* points in one piece of the way back from the grid */
+	RESORT_STEPS = 64,  /* storage follows the order by cells every so many steps, counted from step 0 */
+	GHOST_CELLS = 1,    /* grid cells beyond the scene's box, for domains that reach over its edge */
+	WALL_SWEEPS = 4     /* over the walls of a node that feels several */
+};
+
+/* What points add to a node; one cache line. */
+struct node_sum {
+	double momentum[2]; /* kg m/s */
+	double force[2];    /* N, internal: - sum V sigma grad w */
+	double mass;        /* kg */
+	double capacity;    /* J/K */
+	double heat;        /* J: sum m c T w */
+	double flow;        /* W: heat flow and sources into the node */
+} __attribute__((aligned(64)));
+
+/* Partial results of one stripe on the way to the grid. */
+struct stripe_sum {
+	double stiffness;             /* max of M / rho, m2/s2 */
+	double diffusivity;           /* max of k / (rho c), m2/s */
+	int stiffest, most_diffusive; /* storage index, -1 = none */
+	int bad;                      /* storage index of the first point with a non-finite stress, -1 */
+	double heat_given;            /* J, of the laws */
+	double heat_flux;             /* J, through boundaries with a given flux */
+};
+
+/* Partial results of one block of points on the way back. */
+struct block_sum {
+	double increment; /* sum m |S dv|^2, J */
+	double damped;    /* sum m (v_flip . d + |d|^2 / 2), J */
+	double push[2];   /* sum m d, kg m/s */
+	double discarded; /* J, kinetic energy of parked points */
+	int bad, left;    /* storage index of the first non-finite point, of the first that left the grid; -1 */
+};
+
+/* Partial results of one row of nodes. */
+struct row_sum {
+	double increment;                    /* sum m |dv|^2, J */
+	double gravity, confining;           /* J, work of gravity and of the confining pressure */
+	double velocity_work, velocity_loss; /* J, of imposed velocities */
+};
+
+/* The same of the thermal pass. */
+struct heat_sum {
+	double in, out; /* J, at imposed temperatures of boundaries and walls */
+	double walls;   /* J, wall friction handed to the material */
+};
+
+/* One contact of a node with a wall: normals point into the material.  With two normals (a convex corner
+ * of the wall) the node is blocked only if it moves against both. */
+struct wall_node {
+	int node, wall;
+	int normals;
+	double normal[2][2];
+};
+
+/* What the contact did in this step: velocity changes of the node, m/s. */
+struct wall_effect {
+	double normal[2];                  /* unit vector that acted */
+	double push, drag;                 /* along the normal, along the tangent (normal turned by +90 degrees) */
+	double impulse[2];                 /* kg m/s, on the material */
+	double boundary, friction, impact; /* J */
+};
+
+/* Sums since the start (or zero_ledger); saved with the state. */
+struct mpm_sums {
+	double work_boundary, work_boundary_turnover; /* J; turnover: absolute values per step */
+	double work_walls_friction;
+	double loss_numerical, discarded;
+	double heat_in, heat_out, heat_given, heat_walls;
+	double start_kinetic, start_elastic, start_rve_kinetic, start_gravity, start_thermal; /* J */
+	double start_step;
+	double work_gravity;
+	double scale; /* J, most work done so far: what the residual is compared with */
+};
+
+struct mpm_work {
+	struct shape_grid shape_grid;
+	double *half;         /* by body: half a point's domain over h */
+	int *law_start;       /* n_laws + 1: the points of law l are stored from law_start[l] on */
+	int *law_of_scene;    /* scene law -> index in mpm->laws, -1 = has no points */
+	double *conductivity; /* by material: W/(m K), NAN = from the law */
+
+	/* order by cells */
+	int cells_x, cells_y;
+	int *cell;       /* of each point; -1 = parked outside */
+	int *order;      /* storage indices by cell */
+	int *cell_first; /* cells + 1 */
+	int n_inside;
+	int *row_low, *row_high; /* by row of nodes: columns in use, low > high = none */
+	int n_stripes, n_blocks;
+	void *scratch; /* of the largest column of the points */
+	int *permutation;
+
+	struct node_sum *sums;
+	double (*confining)[2];  /* m2: sum V grad w; NULL without confining pressure */
+	double *wall_heat;       /* J, by node: wall friction heat that waits for the thermal step; NULL = none */
+	double *fixed_T;         /* K, by node: imposed temperature, NAN = free; NULL without heat */
+	int *fixed_T_wall;       /* by node: the wall that imposes it, -1 = a boundary */
+	double *fixed_heat;      /* J, by node: heat that the imposed temperature cost in this step */
+	double (*fixed_v)[2];    /* m/s, by node: imposed velocity, NAN = free; NULL = none */
+	double (*fixed_push)[2]; /* kg m/s, by node: what imposing it cost in this step */
+	bool *boundary_on;       /* by scene boundary, at the last look */
+	bool boundaries_stale;   /* the walls have changed since then */
+	int n_flux, *flux;       /* the scene boundaries with a flux */
+
+	int n_wall_nodes, wall_node_capacity, n_wall_groups;
+	struct wall_node *wall_nodes; /* by node, then wall */
+	struct wall_effect *wall_effects;
+	int *wall_group;         /* n_wall_groups + 1: the entries of one node */
+	bool *wall_on;           /* by scene wall, at the last look */
+	double (*wall_found)[2]; /* offset at which its nodes were found */
+
+	struct stripe_sum *stripe_sums;
+	struct block_sum *block_sums;
+	struct row_sum *row_sums;
+	struct heat_sum *heat_sums;
+	struct mpm_sums total;
+	double alpha_p, alpha_g, alpha_pic; /* as fractions of this step */
+	double thermal_dt;                  /* s, of this step's thermal pass; 0 = none in this step */
+
+	double internal_force_scale; /* 1; a test plants an error here to see the residual guard fire */
+	char residual_message[256];  /* set by mpm_measure() when the residual is beyond its bound */
+};
+
+static inline struct mpm_work *mpm_work(const struct mpm *mpm) { return mpm->work; }
+
+/* ---- particles.c ---- */
+int particles_create(struct particles *p, int n);
+void particles_free(struct particles *p);
+/* New storage index k gets what was at permutation[k]. */
+void particles_permute(struct particles *p, const int *permutation, void *scratch);
+size_t particles_bytes(int n);
+size_t particles_widest(void);
+/* Appends the columns to the list of state arrays (or only counts). */
+int particles_state(struct particles *p, struct mpm_state_array *arrays, int at);
+
+/* ---- sort.c ---- */
+void mpm_sort(struct mpm *mpm);
+void mpm_resort_storage(struct mpm *mpm);
+
+/* ---- transfer.c ---- */
+void mpm_clear_grid(struct mpm *mpm);
+void mpm_points_to_grid(struct mpm *mpm);
+void mpm_integrate_nodes(struct mpm *mpm);
+void mpm_finish_nodes(struct mpm *mpm);
+void mpm_grid_to_points(struct mpm *mpm);
+
+/* ---- thermal.c ---- */
+void mpm_heat_nodes(struct mpm *mpm);
+void mpm_remap_temperature(struct mpm *mpm);
+
+/* ---- wall.c ---- */
+int walls_create(struct mpm *mpm);
+void walls_free(struct mpm *mpm);
+bool wall_active(const struct mpm *mpm, int wall);
+/* Is x inside the wall's solid, further than `tolerance` (m) from its surface? */
+bool wall_contains(const struct mpm *mpm, int wall, const double x[2], double tolerance);
+/* Looks again which walls are on, where they are and which nodes they hold. */
+void walls_update(struct mpm *mpm);
+void walls_apply(struct mpm *mpm);
+void walls_account(struct mpm *mpm);
+void walls_move(struct mpm *mpm);
+
+/* ---- boundary.c ---- */
+int boundaries_create(struct mpm *mpm);
+void boundaries_free(struct mpm *mpm);
+void boundaries_update(struct mpm *mpm);
+
+/* ---- ledger.c ---- */
+void ledger_add_step(struct mpm *mpm);
+void ledger_start(struct mpm *mpm);
+
+/* ---- guard.c: STATUS_GUARD (or `status`) with step, time, point, reason and cure ---- */
+int guard_step(struct mpm *mpm, int status);
+int guard_points(const struct mpm *mpm);
+int guard_residual(const struct mpm *mpm);
+int guard_law(const struct mpm *mpm, int status, int point);
+
+/* ---- stage.c ---- */
+void stage_begin_step(struct mpm *mpm);
+void stage_end_step(struct mpm *mpm);
+
+#endif

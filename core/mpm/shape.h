@@ -1,0 +1,48 @@
+/* Shape functions: for each point a short list of (node, weight, gradient).
+ *
+ * Everything else in the step only walks these lists, so a new shape function is one entry of shapes[].
+ * Lists are filled for a chunk of points at a time, stay in the first cache level and are used up by the
+ * pass that asked for them; no array of weights ever goes through memory. */
+#ifndef TMDEMPM_MPM_SHAPE_H
+#define TMDEMPM_MPM_SHAPE_H
+
+enum {
+	SHAPE_CHUNK = 32,    /* points in one buffer */
+	SHAPE_MAX_NODES = 16 /* of any shape function */
+};
+
+/* The lists of a chunk.  Entry a of point k is number k * max_nodes + a; every point has exactly
+ * max_nodes entries, those that it does not need with weight and gradient zero. */
+struct shape_lists {
+	int node[SHAPE_CHUNK * SHAPE_MAX_NODES];
+	double weight[SHAPE_CHUNK * SHAPE_MAX_NODES]; /* - */
+	double grad_x[SHAPE_CHUNK * SHAPE_MAX_NODES]; /* 1/m */
+	double grad_y[SHAPE_CHUNK * SHAPE_MAX_NODES];
+} __attribute__((aligned(64)));
+
+/* What a fill function has to know of the grid: node (i, j) = j * nx + i lies at origin + (i, j) / inverse_h. */
+struct shape_grid {
+	double origin[2]; /* m */
+	double inverse_h; /* 1/m */
+	int nx;
+};
+
+struct shape {
+	const char *name;
+	const char *doc;
+	int max_nodes;
+	int reach; /* a point in grid cell i has nodes i - reach .. i + 1 + reach in each direction */
+
+	/* Lists of the n <= SHAPE_CHUNK points point[0..n-1] at x[point[k]].  half[size[point[k]]] is half the
+	 * side of their undeformed domain over h, 0 < half <= 1/2. */
+	void (*fill)(const struct shape_grid *grid, int n, const int *point, const double (*x)[2], const int *size,
+				 const double *half, struct shape_lists *lists);
+};
+
+/* Every shape function there is, NULL-terminated. */
+extern const struct shape *const shapes[];
+
+/* By name, or NULL. */
+const struct shape *shape_find(const char *name);
+
+#endif

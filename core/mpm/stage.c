@@ -1,0 +1,44 @@
+/* Stages: the damping and the walls of a span of time, and what is done when it ends. */
+#include <string.h>
+
+#include "mpm/mpm_private.h"
+
+void stage_begin_step(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	const struct scene *scene = mpm->scene;
+	double staged = scene->n_stages > 0 ? scene->stages[mpm->stage].damping : 0.0;
+	mpm->dt = scene->time.step;
+	w->alpha_p = (scene->mpm.damping_particle + staged) * mpm->dt;
+	w->alpha_g = scene->mpm.damping_grid * mpm->dt;
+	w->alpha_pic = scene->mpm.pic_fraction;
+	int every = scene->time.thermal_every;
+	bool due = mpm->thermal && (mpm->step + 1) % every == 0;
+	w->thermal_dt = due ? mpm->dt * every : 0.0;
+}
+
+/* What the velocities take with them is lost, and booked. */
+static void zero_velocities(struct mpm *mpm)
+{
+	struct particles *p = &mpm->p;
+	for (int k = 0; k < p->n; k++) {
+		mpm_work(mpm)->total.loss_numerical += 0.5 * p->mass[k] * (p->v[k][0] * p->v[k][0] + p->v[k][1] * p->v[k][1]);
+		memset(p->v[k], 0, sizeof p->v[k]);
+	}
+}
+
+void stage_end_step(struct mpm *mpm)
+{
+	const struct scene *scene = mpm->scene;
+	if (mpm->stage + 1 >= scene->n_stages)
+		return;
+	const struct scene_stage *stage = &scene->stages[mpm->stage];
+	if (mpm->time - mpm->stage_start < stage->duration - 0.5 * mpm->dt)
+		return;
+	if (stage->then_zero_velocity)
+		zero_velocities(mpm);
+	if (stage->then_zero_ledger)
+		ledger_start(mpm);
+	mpm->stage++;
+	mpm->stage_start = mpm->time;
+}

@@ -1,0 +1,180 @@
+/* The thermal pass: heat from the points to the nodes, conduction, sources and imposed temperatures there.
+ *
+ * The sum of all flows is that of the sources (gradients add up to zero), so heat is conserved to round-off. */
+#include <math.h>
+
+#include "base/mat2.h"
+#include "mpm/mpm_private.h"
+
+/* Remapped temperature; imposed values replace it before heat flows, and what that costs is booked. */
+static void begin_row(struct mpm *mpm, struct mpm_work *w, int j)
+{
+	struct grid *grid = &mpm->grid;
+	for (int i = w->row_low[j]; i <= w->row_high[j]; i++) {
+		size_t node = (size_t)j * (size_t)grid->nx + (size_t)i;
+		double capacity = w->sums[node].capacity, T = capacity > 0.0 ? w->sums[node].heat / capacity : 0.0;
+		grid->heat_capacity[node] = capacity;
+		grid->T[node] = grid->T_new[node] = T;
+		w->fixed_heat[node] = 0.0;
+		if (capacity > 0.0 && !isnan(w->fixed_T[node])) {
+			w->fixed_heat[node] = capacity * (w->fixed_T[node] - T);
+			grid->T_new[node] = w->fixed_T[node];
+		}
+	}
+}
+
+/* Sources that belong to nodes: friction heat of walls. */
+static void source_row(struct mpm *mpm, struct mpm_work *w, int j)
+{
+	for (int i = w->row_low[j]; i <= w->row_high[j]; i++) {
+		size_t node = (size_t)j * (size_t)mpm->grid.nx + (size_t)i;
+		w->sums[node].flow = w->wall_heat && w->sums[node].capacity > 0.0 ? w->wall_heat[node] / w->thermal_dt : 0.0;
+	}
+}
+
+static void advance_row(struct mpm *mpm, struct mpm_work *w, int j, double dt)
+{
+	for (int i = w->row_low[j]; i <= w->row_high[j]; i++) {
+		size_t node = (size_t)j * (size_t)mpm->grid.nx + (size_t)i;
+		double capacity = w->sums[node].capacity, heat = dt * w->sums[node].flow;
+		if (!(capacity > 0.0))
+			continue;
+		if (isnan(w->fixed_T[node]))
+			mpm->grid.T_new[node] += heat / capacity;
+		else
+			w->fixed_heat[node] -= heat; /* what must come from outside to keep the temperature */
+	}
+}
+
+static struct heat_sum end_row(struct mpm *mpm, struct mpm_work *w, int j)
+{
+	struct heat_sum sum = {0};
+	for (int i = w->row_low[j]; i <= w->row_high[j]; i++) {
+		size_t node = (size_t)j * (size_t)mpm->grid.nx + (size_t)i;
+		double heat = w->fixed_heat[node];
+		sum.in += heat > 0.0 ? heat : 0.0;
+		sum.out -= heat < 0.0 ? heat : 0.0;
+		if (w->wall_heat && w->sums[node].capacity > 0.0) {
+			sum.walls += w->wall_heat[node];
+			w->wall_heat[node] = 0.0;
+		}
+	}
+	return sum;
+}
+
+/* W/m3 that prescribed fluxes bring to a point (the virtual layer of eq. 10). */
+static double flux_density(const struct mpm *mpm, const struct mpm_work *w, const double x[2])
+{
+	double sum = 0.0;
+	for (int f = 0; f < w->n_flux; f++) {
+		const struct scene_boundary *b = &mpm->scene->boundaries[w->flux[f]];
+		if (w->boundary_on[w->flux[f]] && x[0] >= b->min[0] && x[0] <= b->max[0] && x[1] >= b->min[1] &&
+			x[1] <= b->max[1])
+			sum += b->flux / b->layer;
+	}
+	return sum;
+}
+
+/* Heat flow q = -k grad T of one point and its sources, to its nodes. */
+static inline __attribute__((always_inline)) void scatter_flow(const struct mpm *mpm, struct mpm_work *w,
+															   const struct shape_lists *lists, int at, int p,
+															   int nodes, double source)
+{
+	const struct particles *points = &mpm->p;
+	double gx = 0.0, gy = 0.0;
+	for (int a = 0; a < nodes; a++) {
+		double T = mpm->grid.T_new[lists->node[at + a]];
+		gx += lists->grad_x[at + a] * T;
+		gy += lists->grad_y[at + a] * T;
+	}
+	double k = w->conductivity[points->material[p]];
+	const double *tensor = points->conductivity[p];
+	double kxx = isnan(k) ? tensor[0] : k, kyy = isnan(k) ? tensor[1] : k, kxy = isnan(k) ? tensor[2] : 0.0;
+	double volume = mat2_determinant(points->F[p]) * points->volume0[p];
+	double qx = -volume * (kxx * gx + kxy * gy), qy = -volume * (kxy * gx + kyy * gy);
+	for (int a = 0; a < nodes; a++)
+		w->sums[lists->node[at + a]].flow +=
+			lists->grad_x[at + a] * qx + lists->grad_y[at + a] * qy + lists->weight[at + a] * source;
+}
+
+static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, struct mpm_work *w, int stripe,
+															  int nodes, double dt, bool last_pass)
+{
+	struct shape_lists lists;
+	struct particles *points = &mpm->p;
+	int from = stripe * STRIPE_ROWS, to = from + STRIPE_ROWS < w->cells_y ? from + STRIPE_ROWS : w->cells_y;
+	int first = w->cell_first[from * w->cells_x], last = w->cell_first[to * w->cells_x];
+	struct stripe_sum *sum = &w->stripe_sums[stripe];
+	for (int i = first; i < last; i += SHAPE_CHUNK) {
+		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
+		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])points->x, points->body, w->half, &lists);
+		for (int k = 0; k < n; k++) {
+			int p = chunk[k];
+			double source = points->heat_pending[p] / w->thermal_dt; /* W */
+			if (w->n_flux) {
+				double flux = flux_density(mpm, w, points->x[p]) * mat2_determinant(points->F[p]) * points->volume0[p];
+				sum->heat_flux += flux * dt;
+				source += flux;
+			}
+			scatter_flow(mpm, w, &lists, k * nodes, p, nodes, source);
+			if (last_pass) {
+				sum->heat_given += points->heat_pending[p];
+				points->heat_friction_sum[p] += points->heat_pending[p] / points->volume0[p];
+				points->heat_pending[p] = 0.0;
+			}
+		}
+	}
+}
+
+static void scatter_flows(struct mpm *mpm, struct mpm_work *w, double dt, bool last_pass)
+{
+	int nodes = mpm->shape->max_nodes;
+	for (int parity = 0; parity < 2; parity++) {
+#pragma omp parallel for schedule(dynamic)
+		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
+			if (nodes == 9)
+				flow_stripe(mpm, w, stripe, 9, dt, last_pass);
+			else
+				flow_stripe(mpm, w, stripe, nodes, dt, last_pass);
+	}
+}
+
+void mpm_heat_nodes(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	int passes = mpm->scene->time.thermal_steps, ny = mpm->grid.ny;
+	double dt = w->thermal_dt / passes;
+#pragma omp parallel for schedule(static)
+	for (int j = 0; j < ny; j++)
+		begin_row(mpm, w, j);
+	for (int pass = 0; pass < passes; pass++) {
+#pragma omp parallel for schedule(static)
+		for (int j = 0; j < ny; j++)
+			source_row(mpm, w, j);
+		scatter_flows(mpm, w, dt, pass == passes - 1);
+#pragma omp parallel for schedule(static)
+		for (int j = 0; j < ny; j++)
+			advance_row(mpm, w, j, dt);
+	}
+#pragma omp parallel for schedule(static)
+	for (int j = 0; j < ny; j++)
+		w->heat_sums[j] = end_row(mpm, w, j);
+}
+
+/* The smooth temperature at birth: what the law will see change. */
+void mpm_remap_temperature(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	struct shape_lists lists;
+	int nodes = mpm->shape->max_nodes;
+	for (int j = 0; j < mpm->grid.ny; j++)
+		begin_row(mpm, w, j);
+	for (int i = 0; i < w->n_inside; i++) {
+		int p = w->order[i];
+		mpm->shape->fill(&w->shape_grid, 1, &p, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
+		double T = 0.0;
+		for (int a = 0; a < nodes; a++)
+			T += lists.weight[a] * mpm->grid.T[lists.node[a]];
+		mpm->p.T_smooth[p] = T;
+	}
+}

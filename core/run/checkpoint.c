@@ -1,0 +1,179 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "io/h5.h"
+#include "run/run_private.h"
+#include "scene/compare.h"
+
+enum { CHECKPOINT_VERSION = 1 };
+
+/* The bits of a state depend on the text that computed it: a state of one path goes on on that path. */
+static const char code_path[] = "cpu, serial kernel, double";
+
+const char *checkpoint_code_path(void) { return code_path; }
+
+static hid_t checkpoint_type(char type)
+{
+	switch (type) {
+	case 'i':
+		return H5T_NATIVE_INT;
+	case 'q':
+		return H5T_NATIVE_LLONG;
+	case 'b':
+		return H5T_NATIVE_UCHAR;
+	default:
+		return H5T_NATIVE_DOUBLE;
+	}
+}
+
+static int checkpoint_arrays(struct mpm *mpm, struct mpm_state_array **arrays, int *n)
+{
+	*n = mpm_state(mpm, NULL);
+	*arrays = calloc((size_t)*n + 1, sizeof **arrays);
+	if (!*arrays)
+		return error_set(STATUS_RESOURCE, "out of memory");
+	mpm_state(mpm, *arrays);
+	return STATUS_OK;
+}
+
+static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct history_memory *memory)
+{
+	CHECK(h5_attribute_text(file, ".", "format", "tmdempm checkpoint"));
+	CHECK(h5_attribute_integer(file, ".", "version", CHECKPOINT_VERSION));
+	CHECK(h5_attribute_text(file, ".", "code_path", code_path));
+	CHECK(h5_attribute_integer(file, ".", "step", mpm->step));
+	CHECK(h5_attribute_number(file, ".", "time", mpm->time));
+	CHECK(h5_write_text(file, "scene", mpm->scene->text));
+	hid_t group;
+	CHECK(h5_group(&group, file, "history"));
+	int status = h5_attribute_number(group, ".", "time", memory->time);
+	if (status == STATUS_OK)
+		status = h5_write(group, "region_mass", H5T_NATIVE_DOUBLE, (hsize_t)mpm->scene->n_regions, 0, memory->region_mass);
+	H5Gclose(group);
+	return status;
+}
+
+static int checkpoint_write_state(hid_t file, struct mpm *mpm)
+{
+	struct mpm_state_array *arrays;
+	int n;
+	CHECK(checkpoint_arrays(mpm, &arrays, &n));
+	hid_t group = -1;
+	int status = h5_group(&group, file, "state");
+	for (int a = 0; a < n && status == STATUS_OK; a++)
+		status = h5_write(group, arrays[a].name, checkpoint_type(arrays[a].type), arrays[a].count, 0, arrays[a].data);
+	if (group >= 0)
+		H5Gclose(group);
+	free(arrays);
+	return status;
+}
+
+int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory)
+{
+	struct h5_output output;
+	CHECK(h5_begin(&output, path));
+	int status = checkpoint_write_head(output.file, mpm, memory);
+	if (status == STATUS_OK)
+		status = checkpoint_write_state(output.file, mpm);
+	if (status == STATUS_OK)
+		return h5_commit(&output);
+	h5_abandon(&output);
+	return error_context(status, "%s", path);
+}
+
+/* ---- reading ---- */
+
+static int checkpoint_open(hid_t *file, const char *path)
+{
+	CHECK(h5_open(file, path));
+	char *format = NULL;
+	long long version = 0;
+	int status = h5_read_attribute_text(*file, "format", &format, path);
+	if (status != STATUS_OK || strcmp(format, "tmdempm checkpoint"))
+		status = error_set(STATUS_INPUT, "%s is not a checkpoint of tmdempm", path);
+	else
+		status = h5_read_integer(*file, "version", &version, path);
+	if (status == STATUS_OK && version != CHECKPOINT_VERSION)
+		status = error_set(STATUS_INPUT, "%s has the format version %lld, expected %d: it is another release's", path, version,
+		                   CHECKPOINT_VERSION);
+	free(format);
+	if (status != STATUS_OK)
+		H5Fclose(*file);
+	return status;
+}
+
+static int checkpoint_compare(hid_t file, const char *path, const struct scene *scene)
+{
+	char *text, what[1024];
+	CHECK(h5_read_text(file, "scene", &text, path));
+	int same = scene_compare(text, scene->text, what, sizeof what);
+	free(text);
+	if (same)
+		return STATUS_OK;
+	return error_set(STATUS_INPUT, "%s does not belong to this scene: %s; a restart may change time.end, output, images "
+	                 "and inspect only", path, what);
+}
+
+int checkpoint_check_scene(const char *path, const struct scene *scene)
+{
+	hid_t file;
+	CHECK(checkpoint_open(&file, path));
+	int status = checkpoint_compare(file, path, scene);
+	H5Fclose(file);
+	return status;
+}
+
+static int checkpoint_read_history(hid_t file, const char *path, const struct scene *scene, struct history_memory *memory)
+{
+	hid_t group = H5Gopen2(file, "history", H5P_DEFAULT);
+	if (group < 0)
+		return error_set(STATUS_INPUT, "%s holds no `history`", path);
+	int status = h5_read_number(group, "time", &memory->time, path);
+	if (status == STATUS_OK)
+		status = h5_read(group, "region_mass", H5T_NATIVE_DOUBLE, (hsize_t)scene->n_regions, memory->region_mass, path);
+	H5Gclose(group);
+	return status;
+}
+
+static int checkpoint_read_state(hid_t file, const char *path, struct mpm *mpm)
+{
+	struct mpm_state_array *arrays;
+	int n;
+	hid_t group = H5Gopen2(file, "state", H5P_DEFAULT);
+	if (group < 0)
+		return error_set(STATUS_INPUT, "%s holds no `state`", path);
+	int status = checkpoint_arrays(mpm, &arrays, &n);
+	for (int a = 0; a < n && status == STATUS_OK; a++)
+		status = h5_read(group, arrays[a].name, checkpoint_type(arrays[a].type), arrays[a].count, arrays[a].data, path);
+	H5Gclose(group);
+	free(arrays);
+	return status == STATUS_OK ? mpm_restored(mpm) : status;
+}
+
+static int checkpoint_check_path(hid_t file, const char *path, bool allow_path_change)
+{
+	char *stored;
+	CHECK(h5_read_attribute_text(file, "code_path", &stored, path));
+	int status = STATUS_OK;
+	if (strcmp(stored, code_path) && !allow_path_change)
+		status = error_set(STATUS_INPUT, "%s was computed on the path `%s`, this run would use `%s`: the bits would change; "
+		                   "--allow-path-change accepts that", path, stored, code_path);
+	free(stored);
+	return status;
+}
+
+int checkpoint_read(const char *path, struct mpm *mpm, struct history_memory *memory, bool allow_path_change)
+{
+	hid_t file;
+	CHECK(checkpoint_open(&file, path));
+	int status = checkpoint_compare(file, path, mpm->scene);
+	if (status == STATUS_OK)
+		status = checkpoint_check_path(file, path, allow_path_change);
+	if (status == STATUS_OK)
+		status = checkpoint_read_history(file, path, mpm->scene, memory);
+	if (status == STATUS_OK)
+		status = checkpoint_read_state(file, path, mpm);
+	H5Fclose(file);
+	return status;
+}

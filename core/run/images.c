@@ -1,0 +1,176 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "run/run_private.h"
+
+struct images {
+	const struct mpm *mpm;
+	struct run_log *log;
+	char folder[FILE_PATH];
+	struct viewer *viewer; /* NULL: no pictures (any more) */
+	long long *every;      /* steps, of each image of the scene */
+	double waited;         /* s, of a viewer that has ended */
+	int n, capacity;
+	char **files;
+};
+
+static void image_describe(struct frame_image *to, const struct scene_image *from)
+{
+	memset(to, 0, sizeof *to);
+	snprintf(to->name, sizeof to->name, "%.63s", from->name);
+	to->kind = from->kind == SCENE_IMAGE_RVE;
+	snprintf(to->field, sizeof to->field, "%.63s", from->field);
+	to->component = from->component;
+	snprintf(to->rve, sizeof to->rve, "%.63s", from->rve);
+	memcpy(to->view, from->view, sizeof to->view);
+	to->size[0] = from->size[0], to->size[1] = from->size[1];
+	snprintf(to->map, sizeof to->map, "%.63s", from->map);
+	snprintf(to->unit, sizeof to->unit, "%.15s", from->unit);
+	to->range_auto = from->range_auto;
+	to->range[0] = from->range[0], to->range[1] = from->range[1];
+}
+
+static int images_start(struct images *images)
+{
+	const struct scene *scene = images->mpm->scene;
+	struct frame_image *described = calloc((size_t)scene->n_images, sizeof *described);
+	if (!described)
+		return error_set(STATUS_RESOURCE, "out of memory");
+	for (int i = 0; i < scene->n_images; i++)
+		image_describe(&described[i], &scene->images[i]);
+	char path[FILE_PATH];
+	int status = file_join(path, images->folder, "images");
+	if (status == STATUS_OK)
+		status = file_make_folder(path);
+	if (status == STATUS_OK)
+		status = file_join(path, images->folder, "log.txt");
+	if (status == STATUS_OK)
+		status = viewer_start(&images->viewer, scene->n_images, described, path);
+	free(described);
+	return status;
+}
+
+int images_create(struct images **result, const struct mpm *mpm, const char *folder, struct run_log *log)
+{
+	*result = NULL;
+	const struct scene *scene = mpm->scene;
+	struct images *images = calloc(1, sizeof *images);
+	if (!images || !(images->every = calloc((size_t)scene->n_images + 1, sizeof *images->every))) {
+		free(images);
+		return error_set(STATUS_RESOURCE, "out of memory");
+	}
+	images->mpm = mpm;
+	images->log = log;
+	snprintf(images->folder, sizeof images->folder, "%s", folder);
+	for (int i = 0; i < scene->n_images; i++)
+		images->every[i] = schedule_steps(scene, scene->images[i].every);
+	if (scene->n_images > 0 && images_start(images) != STATUS_OK) {
+		log_warning(log, "no pictures: %s", error_message());
+		images->viewer = NULL;
+	}
+	*result = images;
+	return STATUS_OK;
+}
+
+static bool image_due(const struct images *images, int i, long long step, bool last)
+{
+	return schedule_due(images->every[i], step) || (last && images->every[i] > 0);
+}
+
+bool images_due(const struct images *images, long long step, bool last)
+{
+	for (int i = 0; images->viewer && i < images->mpm->scene->n_images; i++)
+		if (image_due(images, i, step, last))
+			return true;
+	return false;
+}
+
+static int images_remember(struct images *images, const char *file)
+{
+	if (images->n == images->capacity) {
+		int capacity = 2 * images->capacity + 64;
+		char **larger = realloc(images->files, sizeof *larger * (size_t)capacity);
+		if (!larger)
+			return error_set(STATUS_RESOURCE, "out of memory");
+		images->files = larger, images->capacity = capacity;
+	}
+	images->files[images->n] = strdup(file);
+	return images->files[images->n] ? (images->n++, STATUS_OK) : error_set(STATUS_RESOURCE, "out of memory");
+}
+
+/* What the viewer has to tell goes to the log. */
+static void images_notices(struct images *images)
+{
+	const char *notice;
+	while (images->viewer && (notice = viewer_notice(images->viewer)))
+		log_warning(images->log, "viewer: %s", notice);
+}
+
+static int image_draw(struct images *images, const void *frame, int64_t bytes, int i, long long step)
+{
+	char name[SCENE_NAME + 48], path[FILE_PATH];
+	snprintf(name, sizeof name, "images/%s_%08lld.png", images->mpm->scene->images[i].name, step);
+	CHECK(file_join(path, images->folder, name));
+	CHECK(viewer_draw(images->viewer, frame, bytes, i, path));
+	return images_remember(images, name);
+}
+
+void images_draw(struct images *images, const void *frame, int64_t bytes, long long step, bool last)
+{
+	for (int i = 0; images->viewer && i < images->mpm->scene->n_images; i++) {
+		if (!image_due(images, i, step, last) || image_draw(images, frame, bytes, i, step) == STATUS_OK)
+			continue;
+		log_warning(images->log, "no more pictures: %s", error_message());
+		images_finish(images);
+	}
+	images_notices(images);
+}
+
+void images_flush(struct images *images)
+{
+	if (!images->viewer)
+		return;
+	int status = viewer_flush(images->viewer);
+	images_notices(images);
+	if (status != STATUS_OK) {
+		log_warning(images->log, "no more pictures: %s", error_message());
+		images_finish(images);
+	}
+}
+
+double images_waited(const struct images *images)
+{
+	return images ? images->waited + (images->viewer ? viewer_waited(images->viewer) : 0) : 0;
+}
+
+void images_finish(struct images *images)
+{
+	if (!images || !images->viewer)
+		return;
+	images->waited += viewer_waited(images->viewer);
+	double start = clock_seconds();
+	viewer_flush(images->viewer); /* what fails here is counted by viewer_finish() */
+	images_notices(images);
+	int failed = viewer_finish(images->viewer);
+	images->waited += clock_seconds() - start;
+	images->viewer = NULL;
+	if (failed > 0)
+		log_warning(images->log, "%d pictures could not be drawn; the reason stands in log.txt", failed);
+}
+
+int images_count(const struct images *images) { return images ? images->n : 0; }
+
+const char *images_file(const struct images *images, int i) { return images->files[i]; }
+
+void images_free(struct images *images)
+{
+	if (!images)
+		return;
+	images_finish(images);
+	for (int i = 0; i < images->n; i++)
+		free(images->files[i]);
+	free(images->files);
+	free(images->every);
+	free(images);
+}

@@ -1,0 +1,143 @@
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "io/csv.h"
+#include "run/run_private.h"
+
+struct path {
+	int id; /* of the point */
+	struct csv_writer *csv;
+};
+
+struct paths {
+	const struct mpm *mpm;
+	int n;
+	struct path *paths;
+};
+
+/* Keeps the comments, the header and the first `rows` rows.  The number of rows that were there comes back
+ * in *found. */
+static int path_cut(const char *file, long long rows, long long *found)
+{
+	*found = 0;
+	if (!file_exists(file))
+		return STATUS_OK;
+	char *text;
+	size_t size;
+	CHECK(file_read(&text, &size, file));
+	size_t keep = 0;
+	long long row = -1; /* the header */
+	for (size_t start = 0; start < size;) {
+		const char *end = memchr(text + start, '\n', size - start);
+		if (!end)
+			break; /* torn by a crash */
+		size_t next = (size_t)(end - text) + 1;
+		if (text[start] != '#')
+			row++;
+		if (row <= rows)
+			keep = next;
+		start = next;
+	}
+	*found = row < rows ? row : rows;
+	int status = keep == size ? STATUS_OK : file_write(file, text, keep);
+	free(text);
+	return status;
+}
+
+static int path_open(struct path *path, const char *file, bool append)
+{
+	static const char *const names[] = {"duration", "L11", "L12", "L21", "L22", "dT"};
+	CHECK(csv_open(&path->csv, file, append));
+	if (append)
+		return STATUS_OK;
+	for (int c = 0; c < 6; c++)
+		csv_text(path->csv, names[c]);
+	return csv_end_row(path->csv);
+}
+
+static int paths_add(struct paths *paths, const struct scene_inspect *inspect, const char *folder, bool restart,
+                     struct run_log *log)
+{
+	const struct mpm *mpm = paths->mpm;
+	int point = inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
+	if (point < 0)
+		return error_set(STATUS_INPUT, "%s:%d: inspect %s: no point has the id %ld, expected 0 .. %d", inspect->place.file,
+		                 inspect->place.line, inspect->name, inspect->id, mpm->p.n - 1);
+	if (!mpm->laws[mpm->p.law[point]]->type->rve_view)
+		return error_set(STATUS_INPUT, "%s:%d: inspect %s: the law of point %d has no RVE", inspect->place.file,
+		                 inspect->place.line, inspect->name, mpm->p.id[point]);
+	char below[FILE_PATH], file[FILE_PATH], name[SCENE_NAME + 16];
+	CHECK(file_join(below, folder, "rve"));
+	CHECK(file_make_folder(below));
+	snprintf(name, sizeof name, "%s_path.csv", inspect->name);
+	CHECK(file_join(file, below, name));
+	struct path *path = &paths->paths[paths->n];
+	path->id = mpm->p.id[point];
+	long long found;
+	if (restart)
+		CHECK(path_cut(file, mpm->step, &found));
+	if (restart && found != mpm->step) {
+		log_warning(log, "rve/%s is not written: this folder has no record of it from the first step on, and a part "
+		            "of a path cannot be replayed", name);
+		return STATUS_OK;
+	}
+	paths->n++;
+	return path_open(path, file, restart);
+}
+
+int paths_create(struct paths **result, const struct mpm *mpm, const char *folder, bool restart, struct run_log *log)
+{
+	*result = NULL;
+	struct paths *paths = calloc(1, sizeof *paths);
+	if (!paths || !(paths->paths = calloc((size_t)mpm->scene->n_inspect + 1, sizeof *paths->paths))) {
+		free(paths);
+		return error_set(STATUS_RESOURCE, "out of memory");
+	}
+	paths->mpm = mpm;
+	int status = STATUS_OK;
+	for (int i = 0; i < mpm->scene->n_inspect && status == STATUS_OK; i++)
+		status = paths_add(paths, &mpm->scene->inspect[i], folder, restart, log);
+	if (status != STATUS_OK) {
+		paths_close(paths);
+		return status;
+	}
+	*result = paths;
+	return STATUS_OK;
+}
+
+int paths_record(struct paths *paths)
+{
+	const struct mpm *mpm = paths->mpm;
+	for (int i = 0; i < paths->n; i++) {
+		int point = mpm_point_by_id(mpm, paths->paths[i].id);
+		struct csv_writer *csv = paths->paths[i].csv;
+		csv_number(csv, mpm->dt);
+		for (int c = 0; c < 4; c++)
+			csv_number(csv, mpm->p.L[point][c]);
+		csv_number(csv, mpm->p.dT[point]);
+		CHECK(csv_end_row(csv));
+	}
+	return STATUS_OK;
+}
+
+int paths_sync(struct paths *paths)
+{
+	for (int i = 0; i < paths->n; i++)
+		CHECK(csv_sync(paths->paths[i].csv));
+	return STATUS_OK;
+}
+
+int paths_close(struct paths *paths)
+{
+	if (!paths)
+		return STATUS_OK;
+	int status = STATUS_OK;
+	for (int i = 0; i < paths->n; i++) {
+		int closed = paths->paths[i].csv ? csv_close(paths->paths[i].csv) : STATUS_OK;
+		status = status ? status : closed;
+	}
+	free(paths->paths);
+	free(paths);
+	return status;
+}

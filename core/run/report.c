@@ -1,0 +1,183 @@
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "run/json.h"
+#include "run/run_private.h"
+#include "version.h"
+
+enum { INERTIA_BINS = 12 };
+
+static double report_loop_time(const struct run *run)
+{
+	if (run->loop_time > 0)
+		return run->loop_time;
+	return run->loop_start > 0 ? clock_seconds() - run->loop_start : 0;
+}
+
+static double report_rate(double amount, double seconds) { return seconds > 0 ? amount / seconds : 0; }
+
+static void report_options(struct json *json, const struct run *run)
+{
+	const struct run_options *options = run->options;
+	json_open(json, "options", '{');
+	json_text(json, "scene", options->scene_path);
+	json_open(json, "set", '[');
+	for (int i = 0; i < options->n_sets; i++)
+		json_text(json, NULL, options->sets[i]);
+	json_close(json, ']');
+	json_text(json, "out", run->folder);
+	json_text(json, "device", "cpu");
+	json_integer(json, "threads", run->threads);
+	json_text(json, "restart", options->restart); /* null if it was none */
+	json_number(json, "until", options->until);
+	json_close(json, '}');
+}
+
+static void report_times(struct json *json, const struct run *run)
+{
+	json_open(json, "seconds", '{');
+	json_number(json, "setup", run->setup_time);
+	json_number(json, "law", 1e-9 * (double)run->mpm->law_time_ns);
+	json_number(json, "mpm", 1e-9 * (double)run->mpm->mpm_time_ns);
+	json_number(json, "output", run->output_time);
+	json_number(json, "viewer_wait", images_waited(run->images));
+	json_number(json, "total", report_loop_time(run));
+	json_close(json, '}');
+}
+
+static void report_counts(struct json *json, const struct run *run)
+{
+	struct law_counts counts;
+	double seconds = report_loop_time(run), steps = (double)(run->mpm->step - run->first_step);
+	run_counts(run, &counts);
+	double disc_steps = (double)(counts.disc_steps - run->first_disc_steps);
+	json_open(json, "rates", '{');
+	json_number(json, "point_steps_per_second", report_rate(steps * run->mpm->p.n, seconds));
+	json_number(json, "disc_steps_per_second", report_rate(disc_steps, seconds));
+	json_number(json, "disc_steps_per_second_of_law", report_rate(disc_steps, 1e-9 * (double)run->mpm->law_time_ns));
+	json_close(json, '}');
+	json_open(json, "rve", '{');
+	json_integer(json, "disc_steps", counts.disc_steps);
+	json_integer(json, "gas", counts.gas);
+	json_integer(json, "frozen", counts.frozen);
+	json_integer(json, "reseeded", counts.reseeded);
+	json_integer(json, "clamped", counts.clamped);
+	json_integer(json, "rebuilds", counts.rebuilds);
+	json_open(json, "inertial_number_histogram", '[');
+	for (int i = 0; i < INERTIA_BINS; i++)
+		json_integer(json, NULL, counts.inertia[i]);
+	json_close(json, ']');
+	json_text(json, "inertial_number_bins", "below 1e-6, then two bins a decade up to 1e-1, then above");
+	json_close(json, '}');
+}
+
+static void report_outcome(struct json *json, const struct run *run, const char *state)
+{
+	const struct run_log *log = &run->log;
+	json_open(json, "warnings", '[');
+	for (int i = 0; i < log->n_warnings && i < LOG_WARNINGS; i++)
+		json_text(json, NULL, log->warnings[i]);
+	json_close(json, ']');
+	json_integer(json, "warnings_count", log->n_warnings);
+	if (strcmp(state, "done") && strcmp(state, "running"))
+		json_text(json, "reason", error_message());
+	json_open(json, "files", '[');
+	json_text(json, NULL, "history.csv");
+	json_text(json, NULL, "log.txt");
+	if (strcmp(state, "running"))
+		json_text(json, NULL, "checkpoint.h5");
+	if (snapshots_count(run->snapshots) > 0)
+		json_text(json, NULL, "run.h5");
+	for (int i = 0; snapshots_series(run->snapshots, i); i++)
+		json_text(json, NULL, snapshots_series(run->snapshots, i));
+	json_close(json, ']');
+	json_integer(json, "snapshots", snapshots_count(run->snapshots));
+	json_open(json, "images", '[');
+	for (int i = 0; i < images_count(run->images); i++)
+		json_text(json, NULL, images_file(run->images, i));
+	json_close(json, ']');
+}
+
+static void report_fill(struct json *json, const struct run *run, const char *state)
+{
+	json_open(json, NULL, '{');
+	json_text(json, "program", "tmdempm");
+	json_text(json, "version", TMDEMPM_VERSION);
+	json_text(json, "compiler", TMDEMPM_COMPILER);
+	json_text(json, "build", TMDEMPM_BUILD_TYPE);
+	json_text(json, "code_path", checkpoint_code_path());
+	json_text(json, "state", state);
+	json_text(json, "title", run->scene->title);
+	report_options(json, run);
+	json_integer(json, "points", run->mpm->p.n);
+	json_integer(json, "nodes", (long long)run->mpm->grid.nx * run->mpm->grid.ny);
+	json_integer(json, "first_step", run->first_step);
+	json_integer(json, "step", run->mpm->step);
+	json_number(json, "time", run->mpm->time);
+	json_number(json, "dt", run->mpm->dt);
+	report_times(json, run);
+	report_counts(json, run);
+	report_outcome(json, run, state);
+	json_close(json, '}');
+}
+
+int report_write(struct run *run, const char *state)
+{
+	char path[FILE_PATH];
+	struct file_output output;
+	CHECK(file_join(path, run->folder, "run.json"));
+	CHECK(file_output_begin(&output, path));
+	struct json json = {.stream = output.stream, .pretty = true};
+	report_fill(&json, run, state);
+	fputc('\n', output.stream);
+	return file_output_commit(&output);
+}
+
+/* ---- for people ---- */
+
+static void report_task(struct run *run, const char *task, double seconds, double total)
+{
+	log_line(&run->log, "  %-16s %9.2f s %5.1f %%", task, seconds, total > 0 ? 100 * seconds / total : 0);
+}
+
+static void report_print_times(struct run *run)
+{
+	double law = 1e-9 * (double)run->mpm->law_time_ns, mpm = 1e-9 * (double)run->mpm->mpm_time_ns;
+	double viewer = images_waited(run->images), total = report_loop_time(run);
+	double steps = (double)(run->mpm->step - run->first_step);
+	struct law_counts counts;
+	run_counts(run, &counts);
+	log_line(&run->log, "time per task (wall clock, %d threads):", run->threads);
+	report_task(run, "law", law, total);
+	report_task(run, "mpm", mpm, total);
+	report_task(run, "output", run->output_time, total);
+	report_task(run, "viewer wait", viewer, total);
+	report_task(run, "total", total, total);
+	log_line(&run->log, "  %.4g point-steps/s, %.4g disc-steps/s", report_rate(steps * run->mpm->p.n, total),
+	         report_rate((double)(counts.disc_steps - run->first_disc_steps), total));
+	if (counts.disc_steps > 0)
+		log_line(&run->log, "RVEs: %lld flying, %lld frozen, %lld re-seeded, %lld steps with N clamped", counts.gas,
+		         counts.frozen, counts.reseeded, counts.clamped);
+}
+
+void report_print(struct run *run)
+{
+	report_print_times(run);
+	if (run->log.quiet)
+		return;
+	printf("%s/\n  history.csv  run.json  log.txt  checkpoint.h5\n", run->folder);
+	if (snapshots_count(run->snapshots) > 0)
+		printf("  run.h5 (%d snapshots)\n", snapshots_count(run->snapshots));
+	for (int i = 0; snapshots_series(run->snapshots, i); i++)
+		printf("  %s\n", snapshots_series(run->snapshots, i));
+	for (int i = 0; i < run->scene->n_inspect; i++) {
+		char name[SCENE_NAME + 32], path[FILE_PATH];
+		snprintf(name, sizeof name, "rve/%s_path.csv", run->scene->inspect[i].name);
+		if (file_join(path, run->folder, name) == STATUS_OK && file_exists(path))
+			printf("  %s\n", name);
+	}
+	for (int i = 0; i < images_count(run->images); i++)
+		printf("  %s\n", images_file(run->images, i));
+	fflush(stdout);
+}

@@ -1,0 +1,120 @@
+/* What the parts of the driver share. */
+#ifndef TMDEMPM_RUN_RUN_PRIVATE_H
+#define TMDEMPM_RUN_RUN_PRIVATE_H
+
+#include "io/file.h"
+#include "mpm/mpm.h"
+#include "run/fields.h"
+#include "run/history.h"
+#include "run/log.h"
+#include "run/run.h"
+#include "run/viewer.h"
+
+/* Times of a scene are met at whole steps: every so many, 0 = never. */
+long long schedule_steps(const struct scene *scene, double seconds);
+bool schedule_due(long long every, long long step);
+
+/* ---- paths.c: rve/NAME_path.csv of the inspected points ---- */
+
+struct paths;
+
+/* Opens the files; on a restart (first_step > 0, same folder) they are cut there.  Points whose path is not
+ * whole from the first step on are not recorded: a warning says so. */
+int paths_create(struct paths **paths, const struct mpm *mpm, const char *folder, bool restart, struct run_log *log);
+int paths_record(struct paths *paths); /* after each step: what the laws got */
+int paths_sync(struct paths *paths);
+int paths_close(struct paths *paths);
+
+/* ---- checkpoint.c ---- */
+
+/* The state and nothing else: equal states make equal files. */
+int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory);
+
+/* The name of the code whose bits a checkpoint continues. */
+const char *checkpoint_code_path(void);
+
+/* Reads the state into an MPM made from the same scene. STATUS_INPUT if the file is of another scene (the
+ * message names the first setting that differs), another code path (unless allowed), or broken. */
+int checkpoint_read(const char *path, struct mpm *mpm, struct history_memory *memory, bool allow_path_change);
+
+/* The same questions about the scene without reading the state: asked before anything is made. */
+int checkpoint_check_scene(const char *path, const struct scene *scene);
+
+/* ---- snapshot.c: snap/NNNNNNNN.h5 and run.h5; vtk/NAME_NNNNNNNN.vtp and NAME.pvd ---- */
+
+struct snapshots;
+
+int snapshots_create(struct snapshots **snapshots, const struct mpm *mpm, struct run_fields *fields, const char *folder,
+                     bool restart);
+void snapshots_free(struct snapshots *snapshots);
+
+/* Writes the state as it is; `frame` feeds the VTK files (NULL = none). */
+int snapshots_write(struct snapshots *snapshots, const void *frame);
+int snapshots_count(const struct snapshots *snapshots);
+/* The .pvd files, by number; NULL after the last. */
+const char *snapshots_series(const struct snapshots *snapshots, int i);
+
+/* ---- images.c ---- */
+
+struct images;
+
+/* Starts the viewer if the scene asks for pictures; without one the run goes on and a warning says what to install. */
+int images_create(struct images **images, const struct mpm *mpm, const char *folder, struct run_log *log);
+bool images_due(const struct images *images, long long step, bool last);
+/* Asks for the pictures that are due. */
+void images_draw(struct images *images, const void *frame, int64_t bytes, long long step, bool last);
+/* Returns when everything asked for is drawn: before a checkpoint, which says that all before it is done. */
+void images_flush(struct images *images);
+double images_waited(const struct images *images);
+/* Waits for the pictures and ends the viewer. */
+void images_finish(struct images *images);
+int images_count(const struct images *images);
+const char *images_file(const struct images *images, int i); /* relative to the folder, in the order of drawing */
+void images_free(struct images *images);
+
+/* ---- signals.c ---- */
+
+void signals_install(void);
+int signals_stop(void);            /* the signal that asks to stop, or 0 */
+bool signals_take_checkpoint(void); /* SIGUSR1 came; asked once */
+
+/* ---- the run itself ---- */
+
+struct run {
+	const struct run_options *options;
+	struct run_log log;
+	struct scene *scene;
+	struct mpm *mpm;
+	struct run_fields *fields;
+	struct history *history;
+	struct history_memory memory;
+	struct paths *paths;
+	struct snapshots *snapshots;
+	struct images *images;
+	struct frame_builder *builder;
+	char folder[FILE_PATH];
+	int threads;
+	long long first_step, last_step;
+	long long history_every, snapshot_every, checkpoint_every; /* steps */
+	long long first_disc_steps;
+	double loop_start;      /* s, clock_seconds() */
+	double loop_time;       /* s, when it is over */
+	double setup_time;      /* s */
+	double output_time;     /* s, without the wait for the viewer */
+	double next_progress;   /* s, clock_seconds() */
+};
+
+/* ---- progress.c and report.c ---- */
+
+void progress_update(struct run *run, bool now);
+
+/* Sum of the laws' counters. */
+void run_counts(const struct run *run, struct law_counts *counts);
+
+/* run.json; `state` is "running", "done", "interrupted", "guard" or "failed". */
+int report_write(struct run *run, const char *state);
+
+/* The table of times, and what was written. */
+void report_print(struct run *run);
+
+#endif

@@ -1,0 +1,48 @@
+#include <signal.h>
+#include <string.h>
+
+#include "run/run_private.h"
+
+static volatile sig_atomic_t stop_signal, checkpoint_wanted;
+
+/* The second request to stop ends the program at once. */
+static void signals_on_stop(int number)
+{
+	if (stop_signal) {
+		signal(number, SIG_DFL);
+		raise(number);
+	}
+	stop_signal = number;
+}
+
+static void signals_on_user(int number)
+{
+	(void)number;
+	checkpoint_wanted = 1;
+}
+
+void signals_install(void)
+{
+	struct sigaction action;
+	memset(&action, 0, sizeof action);
+	action.sa_flags = SA_RESTART;
+	sigemptyset(&action.sa_mask);
+	action.sa_handler = signals_on_stop;
+	sigaction(SIGINT, &action, NULL);
+	sigaction(SIGTERM, &action, NULL);
+	sigaction(SIGHUP, &action, NULL);
+	action.sa_handler = signals_on_user;
+	sigaction(SIGUSR1, &action, NULL);
+	action.sa_handler = SIG_IGN; /* a viewer that died is found by the write that fails */
+	sigaction(SIGPIPE, &action, NULL);
+	stop_signal = checkpoint_wanted = 0;
+}
+
+int signals_stop(void) { return stop_signal; }
+
+bool signals_take_checkpoint(void)
+{
+	bool wanted = checkpoint_wanted;
+	checkpoint_wanted = 0;
+	return wanted;
+}

@@ -1,0 +1,97 @@
+/* What an RVE looks like inside, for pictures, files and packings. */
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "rve/model.h"
+
+/* Cell coordinates between 0 and 1. */
+static double wrapped(double s)
+{
+	double w = s - floor(s);
+	return w < 1.0 ? w : 0.0;
+}
+
+static void inspect_disc(const struct rve_model *model, const unsigned char *state, int i, struct rve_disc *disc)
+{
+	const struct rve_layout *layout = &model->layout;
+	const struct rve_head *head = (const struct rve_head *)state;
+	const real *s = (const real *)(state + layout->disc) + i;
+	const real32 *t = (const real32 *)(state + layout->disc32) + i;
+	double x = wrapped(s[DISC_SX * layout->stride]), y = wrapped(s[DISC_SY * layout->stride]);
+	double qx = s[DISC_SX * layout->stride] - (double)t[DISC32_REF_X * layout->stride];
+	double qy = s[DISC_SY * layout->stride] - (double)t[DISC32_REF_Y * layout->stride];
+	const double *H = head->H;
+	disc->x = H[0] * x + H[1] * y;
+	disc->y = H[2] * x + H[3] * y;
+	disc->radius = model->variants[head->variant].table[TABLE_R * layout->stride + i] *
+				   (1.0 + model->params.expansion * head->temperature);
+	disc->displacement[0] = (double)t[DISC32_UX * layout->stride] + H[0] * qx + H[1] * qy;
+	disc->displacement[1] = (double)t[DISC32_UY * layout->stride] + H[2] * qx + H[3] * qy;
+	disc->rotation = (double)t[DISC32_ROTATION * layout->stride];
+	disc->contacts = 0;
+}
+
+/* Fills a contact between the model's discs i and j; 0 if they do not touch. */
+static int inspect_contact(const struct rve_model *model, const unsigned char *state, int p, struct rve_contact *contact)
+{
+	const struct rve_layout *layout = &model->layout;
+	const struct rve_head *head = (const struct rve_head *)state;
+	const struct rve_variant *variant = &model->variants[head->variant];
+	int i = ((const index16 *)(state + layout->pair_i))[p], j = ((const index16 *)(state + layout->pair_j))[p];
+	if (variant->order[i] > variant->order[j]) {
+		int swap = i;
+		i = j, j = swap;
+	}
+	struct rve_disc a, b;
+	inspect_disc(model, state, i, &a);
+	inspect_disc(model, state, j, &b);
+	const real *s = (const real *)(state + layout->disc);
+	const double *H = head->H;
+	double sx = wrapped(s[j]) - wrapped(s[i]);
+	double sy = wrapped(s[layout->stride + j]) - wrapped(s[layout->stride + i]);
+	double kx = -rint(sx), ky = -rint(sy);
+	double bx = H[0] * (sx + kx) + H[1] * (sy + ky), by = H[2] * (sx + kx) + H[3] * (sy + ky);
+	double overlap = a.radius + b.radius - sqrt(bx * bx + by * by);
+	if (!(overlap > 0.0))
+		return 0;
+	double normal = fmax(0.0, model->params.kn * overlap + (double)((const real32 *)(state + layout->fd))[p]);
+	double tangential = ((const real *)(state + layout->ft))[p], cap = model->params.mu * normal;
+	contact->i = variant->order[i];
+	contact->j = variant->order[j];
+	contact->shift[0] = (int)kx;
+	contact->shift[1] = (int)ky;
+	contact->ends[0][0] = a.x, contact->ends[0][1] = a.y;
+	contact->ends[1][0] = a.x + bx, contact->ends[1][1] = a.y + by;
+	contact->normal_force = normal;
+	contact->tangential_force = tangential;
+	contact->mobilisation = cap > 0.0 ? fmin(1.0, fabs(tangential) / cap) : 0.0;
+	contact->sliding = cap > 0.0 && fabs(tangential) >= cap * (1.0 - 1e-6); /* the dashpot's part is kept in single precision */
+	contact->bond = 0;
+	return 1;
+}
+
+int rve_inspect(const struct rve_model *model, const void *state, struct rve_disc *discs, struct rve_contact *contacts, int capacity)
+{
+	const unsigned char *bytes = state;
+	const struct rve_head *head = state;
+	const int *order = model->variants[head->variant].order;
+	int n = 0;
+	for (int i = 0; discs && i < model->layout.n; i++)
+		inspect_disc(model, bytes, i, &discs[order[i]]);
+	for (int p = 0; p < head->n_pairs; p++) {
+		struct rve_contact contact;
+		if (!inspect_contact(model, bytes, p, &contact))
+			continue;
+		if (discs) {
+			discs[contact.i].contacts++;
+			discs[contact.j].contacts++;
+		}
+		if (contacts && n < capacity)
+			contacts[n] = contact;
+		n++;
+	}
+	return contacts && n > capacity ? capacity : n;
+}
+
+int rve_contact_capacity(const struct rve_model *model) { return model->layout.pairs; }

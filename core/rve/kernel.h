@@ -1,0 +1,170 @@
+/* The RVE kernel: one text for every target (dialect.h).
+ *
+ * A periodic cell of discs follows the macroscopic deformation; discs move in addition by their
+ * fluctuation velocity v, and the stress is what the contacts carry (TM-DEMPM sections 3.1 to 3.4).
+ *
+ *   cell           H <- A H                                     A = exp(L dt / N)
+ *   coordinates    x = H s,  ds/dt = H^-1 v
+ *   fluctuation    dv/dt = f/m + W v - D v                      (objective: a rotation only rotates v)
+ *   contact        du = (v_j - v_i) dt + D b - spins;  W never enters
+ *                  f_n = max(0, kn delta - c du_n),  f_t <- clip(f_t - ks du_t, mu f_n)
+ *   stress         sigma = -(1/V) sym(sum f b + sum m v v),     eqs. 31 and 33
+ *   conductivity   k = 1/(kappa V) sum l l / |l|,               eq. 34
+ *   elasticity     D = (1/V) sum (kn n l n l + ks t l t l),     eq. 58
+ *
+ * The force on j is f_n n + f_t t with n from i to j and t = n turned by +90 degrees.  A sub-step moves the
+ * cell and the discs, finds the forces there, and kicks: a state holds positions at a time and velocities
+ * half a sub-step later, and the stress is that of its positions. */
+#ifndef TMDEMPM_RVE_KERNEL_H
+#define TMDEMPM_RVE_KERNEL_H
+
+#include "rve/state.h"
+
+enum {
+	/* sums over all sub-steps of the call */
+	LANE_WORK, LANE_EXPANSION, LANE_FRICTION, LANE_DASHPOT, LANE_KINETIC_WORK,
+	/* of the last configuration */
+	LANE_CALL_FIELDS, LANE_SXX = LANE_CALL_FIELDS, LANE_SYY, LANE_SXY, LANE_LXX, LANE_LYY, LANE_LXY,
+	LANE_N40, LANE_N04, LANE_N22, LANE_N31, LANE_N13, LANE_OVERLAP_FORCE, LANE_ELASTIC,
+	LANE_CONTACTS, LANE_SLIDING, LANE_FORCE, LANE_VXX, LANE_VYY, LANE_VXY, LANE_KINETIC, LANE_UNBALANCED,
+	LANE_SUMS,
+	LANE_OVERLAP = LANE_SUMS, LANE_DISPLACEMENT, /* largest, not summed */
+	LANE_FIELDS
+};
+
+/* Scratch arrays: over discs, over pairs (slots that contact forces are left in), whole numbers. */
+enum { WORK_SX, WORK_SY, WORK_VX, WORK_VY, WORK_W, WORK_ROTATION, WORK_FX, WORK_FY, WORK_TORQUE, WORK_DISC_FIELDS };
+enum { WORK_FT, WORK_PX, WORK_PY, WORK_TI, WORK_TJ, WORK_PAIR_FIELDS };
+enum { WORK_I, WORK_J, WORK_J_OLD, WORK_PAIR_INDICES };
+enum { WORK_CELL, WORK_SORTED, WORK_DEGREE, WORK_FIRST, WORK_FIRST_OLD, WORK_DISC_INDICES };
+
+/* What a block shares. */
+struct rve_block {
+	real lanes[LANE_FIELDS][LANES];
+	struct rve_head head;
+	real H_inv[4];
+	real scale, scale_step; /* radius / reference radius, its increase in one sub-step */
+	int grid[2], n_pairs_old, status;
+};
+
+/* Where things are.  Every thread has the same. */
+struct rve_place {
+	const struct rve_layout *layout;
+	const struct rve_constants *constants;
+	const struct rve_call *call;
+	GLOBAL const real *table;
+	GLOBAL unsigned char *state;
+	SHARED struct rve_block *block;
+	LOCAL real *disc, *pair;
+	LOCAL int *pair_index, *disc_index, *cell_start;
+	LOCAL index16 *neighbours; /* layout->levels for each disc */
+};
+
+#define WORK_DISC(f) (at->disc + (f) * at->layout->stride)
+#define WORK_PAIR(f) (at->pair + (f) * at->layout->pair_stride)
+#define WORK_PAIR_INDEX(f) (at->pair_index + (f) * at->layout->pair_stride)
+#define WORK_DISC_INDEX(f) (at->disc_index + (f) * at->layout->stride)
+#define TABLE(f) (at->table + (f) * at->layout->stride)
+#define STATE_DISC(f) ((GLOBAL real *)(at->state + at->layout->disc) + (f) * at->layout->stride)
+#define STATE_DISC32(f) ((GLOBAL real32 *)(at->state + at->layout->disc32) + (f) * at->layout->stride)
+#define STATE_FT ((GLOBAL real *)(at->state + at->layout->ft))
+#define STATE_FD ((GLOBAL real32 *)(at->state + at->layout->fd))
+#define STATE_DAMPING ((GLOBAL real32 *)(at->state + at->layout->damping))
+#define STATE_I ((GLOBAL index16 *)(at->state + at->layout->pair_i))
+#define STATE_J ((GLOBAL index16 *)(at->state + at->layout->pair_j))
+#define STATE_FLAG (at->state + at->layout->flag)
+#define STATE_ENTRY(level) ((GLOBAL index16 *)(at->state + at->layout->entry) + (level) * at->layout->stride)
+
+#include "rve/kernel_cell.h"
+#include "rve/kernel_neighbours.h"
+#include "rve/kernel_step.h"
+
+BLOCKFN void state_load(const struct rve_place *at)
+{
+	SHARED struct rve_block *block = at->block;
+	ONE_THREAD {
+		block->head = *(GLOBAL const struct rve_head *)at->state;
+		block->status = KERNEL_OK;
+		block->scale = 1.0 + at->constants->expansion * block->head.temperature;
+		block->scale_step = at->constants->expansion * at->call->heating;
+		cell_invert(block->head.H, block->H_inv);
+	}
+	SYNC();
+	for (int f = 0; f < DISC_STATE_FIELDS; f++)
+		FOR_THREADS(i, at->layout->n) WORK_DISC(f)[i] = STATE_DISC(f)[i];
+	FOR_THREADS(i, at->layout->n) WORK_DISC(WORK_ROTATION)[i] = 0.0;
+	FOR_THREADS(p, block->head.n_pairs)
+	{
+		WORK_PAIR(WORK_FT)[p] = STATE_FT[p];
+		WORK_PAIR_INDEX(WORK_I)[p] = STATE_I[p];
+		WORK_PAIR_INDEX(WORK_J)[p] = STATE_J[p];
+	}
+	for (int f = WORK_PX; f <= WORK_TJ; f++)
+		ONE_THREAD WORK_PAIR(f)[at->layout->pairs] = 0.0;
+	for (int q = 0; q < LANE_FIELDS; q++)
+		FOR_THREADS(lane, LANES) block->lanes[q][lane] = 0.0;
+	SYNC();
+}
+
+BLOCKFN void state_store(const struct rve_place *at)
+{
+	for (int f = 0; f < DISC_STATE_FIELDS; f++)
+		FOR_THREADS(i, at->layout->n) STATE_DISC(f)[i] = WORK_DISC(f)[i];
+	FOR_THREADS(i, at->layout->n) STATE_DISC32(DISC32_ROTATION)[i] += (real32)WORK_DISC(WORK_ROTATION)[i];
+	FOR_THREADS(p, at->block->head.n_pairs) STATE_FT[p] = WORK_PAIR(WORK_FT)[p];
+	ONE_THREAD *(GLOBAL struct rve_head *)at->state = at->block->head;
+	SYNC();
+}
+
+/* One RVE, call->sub_steps sub-steps.  `scratch` is layout->scratch bytes, 64-byte aligned. */
+KERNEL(rve_kernel)(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
+                   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
+{
+	struct rve_place place = {.layout = layout, .constants = constants, .call = call, .table = table, .state = state};
+	const struct rve_place *at = &place;
+	place.block = (SHARED struct rve_block *)scratch;
+	place.disc = (LOCAL real *)(scratch + sizeof(struct rve_block));
+	place.pair = place.disc + WORK_DISC_FIELDS * layout->stride;
+	place.pair_index = (LOCAL int *)(place.pair + WORK_PAIR_FIELDS * layout->pair_stride);
+	place.disc_index = place.pair_index + WORK_PAIR_INDICES * layout->pair_stride;
+	place.cell_start = place.disc_index + WORK_DISC_INDICES * layout->stride;
+	place.neighbours = (LOCAL index16 *)(place.cell_start + layout->grid * layout->grid + 1);
+	SHARED struct rve_block *block = place.block;
+
+	state_load(at);
+	if (call->rebuild)
+		neighbours_build(at);
+	for (int k = 0; k < call->sub_steps && block->status == KERNEL_OK; k++) {
+		move(at);
+		if (!neighbours_valid(at))
+			neighbours_build(at);
+		if (block->status != KERNEL_OK)
+			break;
+		if (k + 1 < call->sub_steps)
+			contacts_sub_step(at);
+		else
+			contacts_last_sub_step(at);
+		forces_gather(at);
+		kick(at);
+	}
+	if (block->status == KERNEL_OK && call->sub_steps == 0)
+		contacts_measure(at);
+	if (block->status == KERNEL_OK) {
+		homogenise(at);
+		state_store(at);
+	}
+	ONE_THREAD *status = block->status;
+}
+
+/* Bytes of scratch memory that the kernel needs. */
+static inline int kernel_scratch_bytes(const struct rve_layout *layout)
+{
+	long bytes = (long)sizeof(struct rve_block);
+	bytes += (long)sizeof(real) * (WORK_DISC_FIELDS * layout->stride + WORK_PAIR_FIELDS * layout->pair_stride);
+	bytes += (long)sizeof(int) * (WORK_PAIR_INDICES * layout->pair_stride + WORK_DISC_INDICES * layout->stride +
+	                              layout->grid * layout->grid + 1);
+	bytes += (long)sizeof(index16) * layout->levels * layout->n;
+	return (int)((bytes + 63) / 64 * 64);
+}
+
+#endif

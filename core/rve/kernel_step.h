@@ -1,0 +1,294 @@
+/* One sub-step: move, contact forces, gather, kick; and the homogenisation.  Included by kernel.h only. */
+
+/* The cell and, in it, the discs; velocities turn and thin out with the cell; radii grow. */
+BLOCKFN void move(const struct rve_place *at)
+{
+	SHARED struct rve_block *block = at->block;
+	const struct rve_call *call = at->call;
+	const real dt = at->constants->dt;
+	const real gxx = block->H_inv[0] * dt, gxy = block->H_inv[1] * dt;
+	const real gyx = block->H_inv[2] * dt, gyy = block->H_inv[3] * dt;
+	SYNC();
+	ONE_THREAD {
+		SHARED real *H = block->head.H;
+		const real *A = call->A;
+		real xx = A[0] * H[0] + A[1] * H[2], xy = A[0] * H[1] + A[1] * H[3];
+		real yx = A[2] * H[0] + A[3] * H[2], yy = A[2] * H[1] + A[3] * H[3];
+		H[0] = xx, H[1] = xy, H[2] = yx, H[3] = yy;
+		cell_invert(H, block->H_inv);
+		block->head.temperature += call->heating;
+		block->scale = 1.0 + at->constants->expansion * block->head.temperature;
+	}
+	FOR_THREADS(lane, LANES) block->lanes[LANE_DISPLACEMENT][lane] = 0.0;
+	SYNC();
+	LOCAL real *sx = WORK_DISC(WORK_SX), *sy = WORK_DISC(WORK_SY);
+	LOCAL real *vx = WORK_DISC(WORK_VX), *vy = WORK_DISC(WORK_VY);
+	GLOBAL const real *mass = TABLE(TABLE_MASS);
+	GLOBAL const real32 *ref_x = STATE_DISC32(DISC32_REF_X), *ref_y = STATE_DISC32(DISC32_REF_Y);
+	SHARED real *displacement = block->lanes[LANE_DISPLACEMENT], *kinetic_work = block->lanes[LANE_KINETIC_WORK];
+	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
+	const real bxx = call->B[0], bxy = call->B[1], byx = call->B[2], byy = call->B[3];
+	const real dxx = call->D[0], dyy = call->D[1], dxy = call->D[2];
+	for (int base = 0; base < at->layout->n; base += LANES) {
+		const int count = at->layout->n - base < LANES ? at->layout->n - base : LANES;
+		FOR_THREADS(lane, count)
+		{
+			const int i = base + lane;
+			real x = vx[i], y = vy[i];
+			real px = sx[i] + gxx * x + gxy * y, py = sy[i] + gyx * x + gyy * y;
+			kinetic_work[lane] -= mass[i] * (x * (dxx * x + dxy * y) + y * (dxy * x + dyy * y));
+			vx[i] = bxx * x + bxy * y;
+			vy[i] = byx * x + byy * y;
+			sx[i] = px;
+			sy[i] = py;
+			real qx = px - (real)ref_x[i], qy = py - (real)ref_y[i];
+			real ux = hxx * qx + hxy * qy, uy = hyx * qx + hyy * qy;
+			displacement[lane] = real_max(ux * ux + uy * uy, displacement[lane]);
+		}
+	}
+	SYNC();
+}
+
+/* Forces of all pairs into their slots.  `last`: also everything that the homogenisation needs. */
+BLOCKFN void contacts(const struct rve_place *at, const int last)
+{
+	SHARED struct rve_block *block = at->block;
+	const struct rve_constants *constants = at->constants;
+	const real kn = constants->kn, ks = constants->ks, mu = constants->mu, dt = constants->dt;
+	const real half_compliance = 0.5 / ks;
+	const real scale = block->scale;
+	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
+	const real still = at->call->sub_steps > 0 ? 1.0 : 0.0; /* 0: measured without motion */
+	const real step = dt * still;
+	const real dxx = at->call->D[0] * still, dyy = at->call->D[1] * still, dxy = at->call->D[2] * still;
+	const int n_pairs = block->head.n_pairs;
+	LOCAL const int *pair_i = WORK_PAIR_INDEX(WORK_I), *pair_j = WORK_PAIR_INDEX(WORK_J);
+	LOCAL const real *sx = WORK_DISC(WORK_SX), *sy = WORK_DISC(WORK_SY);
+	LOCAL const real *vx = WORK_DISC(WORK_VX), *vy = WORK_DISC(WORK_VY), *w = WORK_DISC(WORK_W);
+	GLOBAL const real *radius = TABLE(TABLE_R);
+	GLOBAL const real32 *damping = STATE_DAMPING;
+	GLOBAL real32 *dashpot_force = STATE_FD;
+	LOCAL real *tangential = WORK_PAIR(WORK_FT), *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY);
+	LOCAL real *slot_ti = WORK_PAIR(WORK_TI), *slot_tj = WORK_PAIR(WORK_TJ);
+	SHARED real(*sum)[LANES] = block->lanes;
+
+	for (int base = 0; base < n_pairs; base += LANES) {
+		const int count = n_pairs - base < LANES ? n_pairs - base : LANES;
+		FOR_THREADS(lane, count)
+		{
+			const int p = base + lane, i = pair_i[p], j = pair_j[p];
+			/* branch to the nearest image: unique while the cell is wide enough (neighbours_build) */
+			real ax = sx[j] - sx[i], ay = sy[j] - sy[i];
+			ax -= real_nearest(ax);
+			ay -= real_nearest(ay);
+			real bx = hxx * ax + hxy * ay, by = hyx * ax + hyy * ay;
+			real length = real_sqrt(bx * bx + by * by), inverse = 1.0 / length;
+			real nx = bx * inverse, ny = by * inverse;
+			real ri = radius[i] * scale, rj = radius[j] * scale;
+			real overlap = ri + rj - length, half = 0.5 * overlap;
+			/* relative displacement in this sub-step: fluctuations and stretching, without the rotation */
+			real ex = dxx * bx + dxy * by, ey = dxy * bx + dyy * by;
+			real ux = (vx[j] - vx[i]) * step + ex, uy = (vy[j] - vy[i]) * step + ey;
+			real spin = (ri - half) * w[i] + (rj - half) * w[j];
+			real un = ux * nx + uy * ny, ut = uy * nx - ux * ny - spin * step;
+			/* normal force: spring and dashpot, never pulling */
+			real spring = kn * real_max(overlap, 0.0);
+			real pushed = real_max(spring - (real)damping[p] * un, 0.0);
+			real fn = overlap > 0.0 ? pushed : 0.0;
+			real fd = fn - spring, fd_old = (real)dashpot_force[p];
+			/* tangential force: spring up to the Coulomb limit; the rest of the displacement slips */
+			real cap = mu * fn, ft_old = tangential[p], trial = ft_old - ks * ut;
+			real ft = real_max(real_min(trial, cap), -cap);
+			real slip = (ft_old + ft) * (trial - ft);
+			real fx = fn * nx - ft * ny, fy = fn * ny + ft * nx;
+			tangential[p] = ft;
+			dashpot_force[p] = (real32)fd;
+			slot_x[p] = fx;
+			slot_y[p] = fy;
+			slot_ti[p] = (ri - half) * ft;
+			slot_tj[p] = (rj - half) * ft;
+			sum[LANE_WORK][lane] -= fx * ex + fy * ey;
+			sum[LANE_EXPANSION][lane] += spring * (radius[i] + radius[j]);
+			sum[LANE_FRICTION][lane] += slip * half_compliance;
+			sum[LANE_DASHPOT][lane] -= 0.5 * (fd_old + fd) * un;
+			if (last) {
+				real touching = overlap > 0.0 ? 1.0 : 0.0;
+				real l = touching * length, ll = l * length;
+				real xx = nx * nx, yy = ny * ny, xy = nx * ny;
+				real ft_size = ft < 0.0 ? -ft : ft;
+				sum[LANE_SXX][lane] += fx * bx;
+				sum[LANE_SYY][lane] += fy * by;
+				sum[LANE_SXY][lane] += 0.5 * (fx * by + fy * bx);
+				sum[LANE_LXX][lane] += l * xx;
+				sum[LANE_LYY][lane] += l * yy;
+				sum[LANE_LXY][lane] += l * xy;
+				sum[LANE_N40][lane] += ll * xx * xx;
+				sum[LANE_N04][lane] += ll * yy * yy;
+				sum[LANE_N22][lane] += ll * xx * yy;
+				sum[LANE_N31][lane] += ll * xx * xy;
+				sum[LANE_N13][lane] += ll * yy * xy;
+				sum[LANE_OVERLAP_FORCE][lane] += spring * (radius[i] + radius[j]);
+				sum[LANE_ELASTIC][lane] += 0.5 * spring * overlap + half_compliance * ft * ft;
+				sum[LANE_CONTACTS][lane] += touching;
+				sum[LANE_SLIDING][lane] += fn > 0.0 && ft_size >= cap ? 1.0 : 0.0;
+				sum[LANE_FORCE][lane] += fn;
+				sum[LANE_OVERLAP][lane] = real_max(overlap / real_min(ri, rj), sum[LANE_OVERLAP][lane]);
+			}
+		}
+	}
+	SYNC();
+}
+
+BLOCKFN void contacts_sub_step(const struct rve_place *at) { contacts(at, 0); }
+BLOCKFN void contacts_last_sub_step(const struct rve_place *at) { contacts(at, 1); }
+BLOCKFN void contacts_measure(const struct rve_place *at) { contacts(at, 1); }
+
+/* Force and torque of every disc: the slots of its pairs, level by level, in a fixed order. */
+BLOCKFN void forces_gather(const struct rve_place *at)
+{
+	LOCAL real *fx = WORK_DISC(WORK_FX), *fy = WORK_DISC(WORK_FY), *torque = WORK_DISC(WORK_TORQUE);
+	LOCAL const real *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY), *slot_t = WORK_PAIR(WORK_TI);
+	const int to_j = at->layout->pair_stride; /* WORK_TJ follows WORK_TI */
+	FOR_THREADS(i, at->layout->n) { fx[i] = 0.0, fy[i] = 0.0, torque[i] = 0.0; }
+	for (int level = 0; level < at->block->head.levels; level++) {
+		GLOBAL const index16 *entry = STATE_ENTRY(level);
+		const int n = at->block->head.level_discs[level];
+		FOR_THREADS(i, n)
+		{
+			const int e = entry[i], p = e & ENTRY_PAIR, j_side = e >> 15;
+			real x = slot_x[p], y = slot_y[p];
+			fx[i] += j_side ? x : -x;
+			fy[i] += j_side ? y : -y;
+			torque[i] -= slot_t[p + (j_side ? to_j : 0)];
+		}
+	}
+	SYNC();
+}
+
+BLOCKFN void kick(const struct rve_place *at)
+{
+	SHARED struct rve_block *block = at->block;
+	const real dt = at->constants->dt;
+	LOCAL real *vx = WORK_DISC(WORK_VX), *vy = WORK_DISC(WORK_VY), *w = WORK_DISC(WORK_W);
+	LOCAL real *rotation = WORK_DISC(WORK_ROTATION);
+	LOCAL const real *fx = WORK_DISC(WORK_FX), *fy = WORK_DISC(WORK_FY), *torque = WORK_DISC(WORK_TORQUE);
+	GLOBAL const real *dt_mass = TABLE(TABLE_DT_MASS), *dt_inertia = TABLE(TABLE_DT_INERTIA);
+	SYNC();
+	(void)block;
+	FOR_THREADS(i, at->layout->n)
+	{
+		vx[i] += fx[i] * dt_mass[i];
+		vy[i] += fy[i] * dt_mass[i];
+		w[i] += torque[i] * dt_inertia[i];
+		rotation[i] += w[i] * dt;
+	}
+	SYNC();
+}
+
+/* Sums over discs of the last configuration.  Kinetic energy is centred on the time of the positions. */
+BLOCKFN void discs_measure(const struct rve_place *at)
+{
+	SHARED real(*sum)[LANES] = at->block->lanes;
+	LOCAL const real *vx = WORK_DISC(WORK_VX), *vy = WORK_DISC(WORK_VY), *w = WORK_DISC(WORK_W);
+	LOCAL const real *fx = WORK_DISC(WORK_FX), *fy = WORK_DISC(WORK_FY), *torque = WORK_DISC(WORK_TORQUE);
+	GLOBAL const real *dt_mass = TABLE(TABLE_DT_MASS), *mass = TABLE(TABLE_MASS);
+	GLOBAL const real *dt_inertia = TABLE(TABLE_DT_INERTIA);
+	const real dt = at->constants->dt;
+	for (int base = 0; base < at->layout->n; base += LANES) {
+		const int count = at->layout->n - base < LANES ? at->layout->n - base : LANES;
+		FOR_THREADS(lane, count)
+		{
+			const int i = base + lane;
+			real x = vx[i], y = vy[i], m = mass[i];
+			real before_x = x - fx[i] * dt_mass[i], before_y = y - fy[i] * dt_mass[i];
+			real before_w = w[i] - torque[i] * dt_inertia[i];
+			sum[LANE_VXX][lane] += m * x * x;
+			sum[LANE_VYY][lane] += m * y * y;
+			sum[LANE_VXY][lane] += m * x * y;
+			sum[LANE_KINETIC][lane] += 0.5 * (m * (x * before_x + y * before_y) + dt / dt_inertia[i] * w[i] * before_w);
+			sum[LANE_UNBALANCED][lane] += real_sqrt(fx[i] * fx[i] + fy[i] * fy[i]);
+		}
+	}
+	SYNC();
+}
+
+/* Adds up the lanes: field q ends in lanes[q][0]. */
+BLOCKFN void lanes_sum(SHARED struct rve_block *block)
+{
+	for (int width = LANES / 2; width > 0; width /= 2) {
+		for (int q = 0; q < LANE_SUMS; q++)
+			FOR_THREADS(lane, width) block->lanes[q][lane] += block->lanes[q][lane + width];
+		FOR_THREADS(lane, width)
+		block->lanes[LANE_OVERLAP][lane] = real_max(block->lanes[LANE_OVERLAP][lane + width], block->lanes[LANE_OVERLAP][lane]);
+		SYNC();
+	}
+}
+
+/* Upper bound over all directions of the stiffness against uniaxial strain: mean and the two harmonics. */
+THREADFN real stiffest(const SHARED real *C)
+{
+	real xxxx = C[0], yyyy = C[1], mixed = C[2] + 2.0 * C[3], xxxy = C[4], yyxy = C[5];
+	real mean = (3.0 * (xxxx + yyyy) + 2.0 * mixed) * 0.125;
+	real c2 = 0.5 * (xxxx - yyyy), s2 = xxxy + yyxy;
+	real c4 = (xxxx + yyyy - 2.0 * mixed) * 0.125, s4 = 0.5 * (xxxy - yyxy);
+	return mean + real_sqrt(c2 * c2 + s2 * s2) + real_sqrt(c4 * c4 + s4 * s4);
+}
+
+/* Stress, conductivity, elasticity and ledgers from the sums. */
+BLOCKFN void homogenise(const struct rve_place *at)
+{
+	SHARED struct rve_block *block = at->block;
+	if (at->call->sub_steps == 0)
+		forces_gather(at);
+	discs_measure(at);
+	lanes_sum(block);
+	ONE_THREAD {
+		SHARED struct rve_head *head = &block->head;
+		const struct rve_constants *c = at->constants;
+		const real *D = at->call->D;
+		real total[LANE_FIELDS];
+		for (int q = 0; q < LANE_FIELDS; q++)
+			total[q] = block->lanes[q][0];
+		real v = 1.0 / cell_volume(head->H, c->thickness);
+		if (at->call->sub_steps > 0) {
+			/* trapezoid: the sums hold every configuration after a sub-step whole, the first one not at all */
+			real first = head->contact_sum[0] * D[0] + head->contact_sum[1] * D[1] + 2.0 * head->contact_sum[2] * D[2];
+			real final = total[LANE_SXX] * D[0] + total[LANE_SYY] * D[1] + 2.0 * total[LANE_SXY] * D[2];
+			head->ledger[LEDGER_WORK] += total[LANE_WORK] + total[LANE_KINETIC_WORK] + 0.5 * (final - first);
+			real grown = total[LANE_EXPANSION] + 0.5 * (head->expansion_sum - total[LANE_OVERLAP_FORCE]);
+			head->ledger[LEDGER_EXPANSION] += grown * block->scale_step;
+			head->ledger[LEDGER_FRICTION] += total[LANE_FRICTION];
+			head->ledger[LEDGER_DASHPOT] += total[LANE_DASHPOT];
+		}
+		head->ledger[LEDGER_ELASTIC] = total[LANE_ELASTIC];
+		head->ledger[LEDGER_KINETIC] = total[LANE_KINETIC];
+		head->contact_sum[0] = total[LANE_SXX];
+		head->contact_sum[1] = total[LANE_SYY];
+		head->contact_sum[2] = total[LANE_SXY];
+		head->expansion_sum = total[LANE_OVERLAP_FORCE];
+		head->stress[0] = -v * (total[LANE_SXX] + total[LANE_VXX]);
+		head->stress[1] = -v * (total[LANE_SYY] + total[LANE_VYY]);
+		head->stress[2] = 0.0;
+		head->stress[3] = -v * (total[LANE_SXY] + total[LANE_VXY]);
+		for (int k = 0; k < 3; k++)
+			head->conductivity[k] = total[LANE_LXX + k] * v / c->resistance;
+		real n40 = total[LANE_N40] * v, n04 = total[LANE_N04] * v, n22 = total[LANE_N22] * v;
+		real n31 = total[LANE_N31] * v, n13 = total[LANE_N13] * v;
+		head->tensor[0] = c->kn * n40 + c->ks * n22;
+		head->tensor[1] = c->kn * n04 + c->ks * n22;
+		head->tensor[2] = (c->kn - c->ks) * n22;
+		head->tensor[3] = c->kn * n22 + 0.25 * c->ks * (n40 + n04 - 2.0 * n22);
+		head->tensor[4] = c->kn * n31 - 0.5 * c->ks * (n31 - n13);
+		head->tensor[5] = c->kn * n13 + 0.5 * c->ks * (n31 - n13);
+		head->modulus = stiffest(head->tensor);
+		head->contacts = total[LANE_CONTACTS];
+		head->sliding = total[LANE_SLIDING];
+		head->max_overlap = total[LANE_OVERLAP];
+		head->unbalanced = total[LANE_FORCE] > 0.0
+		                       ? total[LANE_UNBALANCED] / at->layout->n * total[LANE_CONTACTS] / total[LANE_FORCE]
+		                       : 0.0;
+		head->total_sub_steps += at->call->sub_steps;
+		head->sub_steps = at->call->sub_steps;
+	}
+	SYNC();
+}

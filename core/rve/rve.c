@@ -1,0 +1,577 @@
+/* The host side of the RVE: models, start states, and what decides about a cell between two kernel calls. */
+#include "rve/rve.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/mat2.h"
+#include "rve/model.h"
+
+static const double pi = 3.14159265358979323846;
+
+void rve_params_default(struct rve_params *params)
+{
+	*params = (struct rve_params){
+	    .kn = 1e6, .ks = 1e6, .mu = 0.5, .damping_ratio = 0.2, .grain_density = 2650.0, .thickness = 0.075,
+	    .expansion = 1e-4, .resistance = 1e4, .step_factor = 0.4, .strain_per_step = 5e-5, .pressure_scaling = 1,
+	    .n_max = 20, .skin = 0.2, .gas = 1, .gas_pressure = 20.0, .gas_stretch = 1.12, .overlap_max = 0.3};
+}
+
+/* ---- the model ---- */
+
+static int place_array(int *end, int bytes)
+{
+	int begin = (*end + 63) / 64 * 64;
+	*end = begin + bytes;
+	return begin;
+}
+
+static int layout_make(struct rve_layout *layout, int n, double skin, double r_min, double r_max)
+{
+	layout->n = n;
+	layout->stride = (n + 1 + 7) / 8 * 8;
+	/* discs in the plane have six neighbours on average at most; a wide skin reaches the second ones */
+	layout->pairs = (int)(n * 3.0 * fmax(1.0, (2.0 + skin) * (2.0 + skin) / 4.84));
+	layout->pair_stride = (layout->pairs + 1 + 7) / 8 * 8;
+	layout->levels = 3 + (int)ceil(pi * (1.0 + r_max / r_min) * (1.0 + 0.5 * skin));
+	layout->grid = (int)sqrt((double)n);
+	if (layout->pairs >= ENTRY_PAIR)
+		return error_set(STATUS_INPUT, "an RVE of %d discs: too many, at most %d", n, n * ENTRY_PAIR / layout->pairs);
+	if (layout->levels > RVE_LEVELS_MAX)
+		return error_set(STATUS_INPUT, "radii from %g to %g m: the ratio is too wide, at most about 9", r_min, r_max);
+	int end = sizeof(struct rve_head);
+	layout->disc = place_array(&end, (int)sizeof(real) * DISC_STATE_FIELDS * layout->stride);
+	layout->disc32 = place_array(&end, (int)sizeof(real32) * DISC32_FIELDS * layout->stride);
+	layout->ft = place_array(&end, (int)sizeof(real) * layout->pairs);
+	layout->fd = place_array(&end, (int)sizeof(real32) * layout->pairs);
+	layout->damping = place_array(&end, (int)sizeof(real32) * layout->pairs);
+	layout->pair_i = place_array(&end, (int)sizeof(index16) * layout->pairs);
+	layout->pair_j = place_array(&end, (int)sizeof(index16) * layout->pairs);
+	layout->flag = place_array(&end, layout->pairs);
+	layout->entry = place_array(&end, (int)sizeof(index16) * layout->levels * layout->stride);
+	layout->bytes = (end + 63) / 64 * 64;
+	layout->scratch = rve_kernel_scratch_bytes(layout);
+	return STATUS_OK;
+}
+
+/* Largest first, packing's order among equals. */
+static const double *sort_radius;
+static int by_radius(const void *a, const void *b)
+{
+	int i = *(const int *)a, j = *(const int *)b;
+	if (sort_radius[i] != sort_radius[j])
+		return sort_radius[i] > sort_radius[j] ? -1 : 1;
+	return (i > j) - (i < j);
+}
+
+static int variant_tables(struct rve_model *model, struct rve_variant *variant, const struct rve_packing *packing)
+{
+	const struct rve_layout *layout = &model->layout;
+	size_t table_bytes = sizeof(real) * TABLE_FIELDS * (size_t)layout->stride;
+	variant->order = malloc(sizeof(int) * (size_t)layout->n);
+	variant->table = aligned_alloc(64, (table_bytes + 63) / 64 * 64);
+	variant->start = aligned_alloc(64, (size_t)layout->bytes);
+	if (!variant->order || !variant->table || !variant->start)
+		return error_set(STATUS_RESOURCE, "out of memory for an RVE of %d discs", layout->n);
+	memset(variant->table, 0, table_bytes);
+	memset(variant->start, 0, (size_t)layout->bytes);
+	for (int i = 0; i < layout->n; i++)
+		variant->order[i] = i;
+	sort_radius = packing->r;
+	qsort(variant->order, (size_t)layout->n, sizeof(int), by_radius);
+	variant->solid_area = 0.0;
+	for (int i = 0; i < layout->n; i++) {
+		double r = packing->r[variant->order[i]];
+		double area = pi * r * r, mass = model->params.grain_density * area * model->params.thickness;
+		variant->solid_area += area;
+		variant->table[TABLE_R * layout->stride + i] = r;
+		variant->table[TABLE_MASS * layout->stride + i] = mass;
+		variant->table[TABLE_DT_MASS * layout->stride + i] = model->constants.dt / mass;
+		variant->table[TABLE_DT_INERTIA * layout->stride + i] = model->constants.dt / (0.5 * mass * r * r);
+	}
+	variant->volume = mat2_determinant(packing->H) * model->params.thickness;
+	variant->void_ratio = mat2_determinant(packing->H) / variant->solid_area - 1.0;
+	return STATUS_OK;
+}
+
+static struct rve_head *head_of(const void *state) { return (struct rve_head *)(uintptr_t)state; }
+
+static real *state_discs(const struct rve_layout *layout, const void *state, int field)
+{
+	return (real *)((unsigned char *)(uintptr_t)state + layout->disc) + field * layout->stride;
+}
+
+/* Tangential forces of a packing's contacts, put where the state's pairs are. */
+static void variant_forces(const struct rve_layout *layout, struct rve_variant *variant, const struct rve_packing *packing, int *rank)
+{
+	const struct rve_head *head = head_of(variant->start);
+	const index16 *pair_i = (const index16 *)(variant->start + layout->pair_i);
+	const index16 *pair_j = (const index16 *)(variant->start + layout->pair_j);
+	real *ft = (real *)(variant->start + layout->ft);
+	for (int i = 0; i < layout->n; i++)
+		rank[variant->order[i]] = i;
+	for (int c = 0; c < packing->n_contacts; c++) {
+		int a = rank[packing->pair[c][0]], b = rank[packing->pair[c][1]];
+		int i = a < b ? a : b, j = a < b ? b : a;
+		for (int p = 0; p < head->n_pairs; p++)
+			if (pair_i[p] == i && pair_j[p] == j)
+				ft[p] = packing->ft[c]; /* the same seen from either disc */
+	}
+}
+
+static int variant_start(struct rve_model *model, int number, const struct rve_packing *packing)
+{
+	const struct rve_layout *layout = &model->layout;
+	struct rve_variant *variant = &model->variants[number];
+	struct rve_head *head = head_of(variant->start);
+	double inverse[4], rest[4] = {0};
+	mat2_inverse(packing->H, inverse);
+	for (int k = 0; k < 4; k++)
+		head->H[k] = head->H_ref[k] = packing->H[k];
+	mat2_identity(head->F);
+	head->variant = number;
+	for (int i = 0; i < layout->n; i++) {
+		const double *x = packing->x[variant->order[i]];
+		state_discs(layout, variant->start, DISC_SX)[i] = inverse[0] * x[0] + inverse[1] * x[1];
+		state_discs(layout, variant->start, DISC_SY)[i] = inverse[2] * x[0] + inverse[3] * x[1];
+	}
+	unsigned char *scratch = rve_scratch(model, 0);
+	int status = rve_sub_steps(model, variant->start, scratch, rest, 0.0, 0.0, 0, 1);
+	if (status == KERNEL_SLENDER)
+		return error_set(STATUS_INPUT, "the packing's cell is narrower than twice a disc's reach (%g m): more discs, "
+		                 "closer radii or a smaller skin", 4.0 * model->constants.r_max + 2.0 * model->constants.skin);
+	if (status != KERNEL_OK)
+		return error_set(STATUS_INPUT, "the packing's discs overlap too much to be neighbours");
+	variant_forces(layout, variant, packing, (int *)scratch);
+	rve_sub_steps(model, variant->start, scratch, rest, 0.0, 0.0, 0, 0);
+	head->ledger[LEDGER_WORK] = head->ledger[LEDGER_ELASTIC] + head->ledger[LEDGER_KINETIC];
+	head->rebuilds = 0;
+	return STATUS_OK;
+}
+
+static int model_fill(struct rve_model *model, const struct rve_params *params, int n, const struct rve_packing *const *packings)
+{
+	double r_min = INFINITY, r_max = 0.0, r_sum = 0.0;
+	for (int v = 0; v < n; v++) {
+		if (packings[v]->n_discs != packings[0]->n_discs)
+			return error_set(STATUS_INPUT, "packings of %d and %d discs in one law: variants need equal numbers",
+			                 packings[0]->n_discs, packings[v]->n_discs);
+		for (int i = 0; i < packings[v]->n_discs; i++) {
+			r_min = fmin(r_min, packings[v]->r[i]);
+			r_max = fmax(r_max, packings[v]->r[i]);
+			r_sum += packings[v]->r[i];
+		}
+	}
+	int discs = packings[0]->n_discs;
+	double mass_min = params->grain_density * params->thickness * pi * r_min * r_min;
+	double dt = params->step_factor * sqrt(mass_min / params->kn);
+	model->diameter = 2.0 * r_sum / ((double)n * discs);
+	model->constants = (struct rve_constants){
+	    .kn = params->kn, .ks = params->ks, .mu = params->mu, .expansion = params->expansion,
+	    .resistance = params->resistance, .thickness = params->thickness, .dt = dt, .r_max = r_max,
+	    .skin = params->skin * r_max, .damping = 2.0 * params->damping_ratio * sqrt(params->kn) / dt};
+	CHECK(layout_make(&model->layout, discs, params->skin, r_min, r_max));
+	model->scratch_stride = (size_t)(model->layout.scratch + model->layout.bytes);
+	model->scratch = aligned_alloc(64, model->scratch_stride * (size_t)model->n_threads);
+	model->variants = calloc((size_t)n, sizeof *model->variants);
+	if (!model->scratch || !model->variants)
+		return error_set(STATUS_RESOURCE, "out of memory for the RVE model");
+	model->n_variants = n;
+	for (int v = 0; v < n; v++) {
+		CHECK(variant_tables(model, &model->variants[v], packings[v]));
+		CHECK(variant_start(model, v, packings[v]));
+	}
+	return STATUS_OK;
+}
+
+int rve_model_create(struct rve_model **model, const struct rve_params *params, int n, const struct rve_packing *const *packings)
+{
+	*model = calloc(1, sizeof **model);
+	if (!*model)
+		return error_set(STATUS_RESOURCE, "out of memory for the RVE model");
+	const char *isa = rve_isa();
+	(*model)->params = *params;
+	(*model)->n_threads = omp_get_max_threads() > omp_get_num_procs() ? omp_get_max_threads() : omp_get_num_procs();
+	(*model)->kernel = rve_kernel_base;
+#ifdef RVE_KERNEL_X86
+	if (strcmp(isa, "base") != 0)
+		(*model)->kernel = strcmp(isa, "v4") == 0 ? rve_kernel_v4 : rve_kernel_v3;
+#endif
+	(void)isa;
+	int status = model_fill(*model, params, n, packings);
+	if (status != STATUS_OK) {
+		rve_model_free(*model);
+		*model = NULL;
+	}
+	return status;
+}
+
+void rve_model_free(struct rve_model *model)
+{
+	if (!model)
+		return;
+	for (int v = 0; v < model->n_variants; v++) {
+		free(model->variants[v].table);
+		free(model->variants[v].order);
+		free(model->variants[v].start);
+	}
+	free(model->variants);
+	free(model->scratch);
+	free(model);
+}
+
+unsigned char *rve_scratch(const struct rve_model *model, int thread)
+{
+	return model->scratch + model->scratch_stride * (size_t)thread;
+}
+
+size_t rve_state_bytes(const struct rve_model *model) { return (size_t)model->layout.bytes; }
+int rve_discs(const struct rve_model *model) { return model->layout.n; }
+double rve_void_ratio(const struct rve_model *model, int variant) { return model->variants[variant].void_ratio; }
+double rve_time_step(const struct rve_model *model) { return model->constants.dt; }
+
+int rve_init(const struct rve_model *model, int variant, void *state)
+{
+	if (variant < 0 || variant >= model->n_variants)
+		return error_set(STATUS_INPUT, "RVE variant %d: there are %d", variant, model->n_variants);
+	memcpy(state, model->variants[variant].start, (size_t)model->layout.bytes);
+	return STATUS_OK;
+}
+
+/* ---- one RVE through one call ---- */
+
+enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4],
+                                     double dT, double duration, int sub_steps, int rebuild)
+{
+	struct rve_call call = {.sub_steps = sub_steps, .rebuild = rebuild};
+	double h = sub_steps > 0 ? duration / sub_steps : 0.0;
+	double spin = 0.5 * (L[1] - L[2]) * h;
+	double increment[4] = {L[0] * h, L[1] * h, L[2] * h, L[3] * h}, rotation[4] = {0.0, spin, -spin, 0.0};
+	mat2_exp(increment, call.A);
+	mat2_exp(rotation, call.B);
+	call.D[0] = L[0] * h, call.D[1] = L[3] * h, call.D[2] = 0.5 * (L[1] + L[2]) * h;
+	call.B[0] -= call.D[0], call.B[1] -= call.D[2], call.B[2] -= call.D[2], call.B[3] -= call.D[1];
+	call.heating = sub_steps > 0 ? dT / sub_steps : 0.0;
+	int status = KERNEL_OK;
+	model->kernel(&model->layout, &model->constants, &call, model->variants[head_of(state)->variant].table, state, scratch, &status);
+	return (enum rve_kernel_status)status;
+}
+
+struct rve_outcome {
+	enum { OUTCOME_OK, OUTCOME_RATE, OUTCOME_OVERLAP, OUTCOME_NAN, OUTCOME_CROWDED } kind;
+	double value;
+};
+
+static double pressure_of(const struct rve_head *head) { return -0.5 * (head->stress[0] + head->stress[1]); }
+
+static double stored_energy(const struct rve_head *head) { return head->ledger[LEDGER_ELASTIC] + head->ledger[LEDGER_KINETIC]; }
+
+static double principal_rate(const double L[4])
+{
+	double mean = 0.5 * (L[0] + L[3]), half = 0.5 * (L[0] - L[3]), shear = 0.5 * (L[1] + L[2]);
+	return fabs(mean) + sqrt(half * half + shear * shear);
+}
+
+/* How many sub-steps the strain of this call needs; counts where n_max cuts them. */
+static int choose_sub_steps(const struct rve_params *params, struct rve_head *head, double strain)
+{
+	double limit = params->strain_per_step;
+	if (params->pressure_scaling)
+		limit *= fmax(0.1, fmin(1.0, sqrt(fmax(pressure_of(head), 0.0) / 100e3)));
+	double wanted = fmax(1.0, fmin(ceil(strain / limit), 1e9));
+	if (params->n_max > 0 && wanted > params->n_max) {
+		head->clamped++;
+		return params->n_max;
+	}
+	return (int)wanted;
+}
+
+static void count_inertia(const struct rve_model *model, struct rve_head *head, double strain_per_step)
+{
+	static const double bounds[RVE_INERTIA_BINS - 1] = {1e-6, 3.1622776601683795e-6, 1e-5, 3.1622776601683795e-5, 1e-4,
+	    3.1622776601683795e-4, 1e-3, 3.1622776601683795e-3, 1e-2, 3.1622776601683795e-2, 1e-1};
+	double pressure = fmax(pressure_of(head), 1.0); /* Pa; a cell without stress counts as 1 Pa */
+	head->inertial_number = strain_per_step / model->constants.dt * model->diameter * sqrt(model->params.grain_density / pressure);
+	int bin = 0;
+	while (bin < RVE_INERTIA_BINS - 1 && head->inertial_number >= bounds[bin])
+		bin++;
+	head->inertia[bin]++;
+}
+
+/* The stored energy leaves the books with a state that is put aside; no stress, no conduction. */
+static void gas_enter(struct rve_head *head)
+{
+	head->flags |= RVE_GAS;
+	head->gap = 0.0;
+	head->ledger[LEDGER_DISCARDED] += stored_energy(head);
+	head->ledger[LEDGER_ELASTIC] = head->ledger[LEDGER_KINETIC] = 0.0;
+	memset(head->stress, 0, sizeof head->stress);
+	memset(head->conductivity, 0, sizeof head->conductivity);
+	memset(head->tensor, 0, sizeof head->tensor);
+	head->modulus = head->contacts = head->sliding = head->inertial_number = head->max_overlap = 0.0;
+	head->sub_steps = 0;
+}
+
+/* The share of a call's strain that is left once the gap has closed; 0 while it stays open. */
+static double gas_share(struct rve_head *head, double volumetric)
+{
+	head->gap += volumetric;
+	return head->gap > 0.0 ? 0.0 : fmin(1.0, head->gap / volumetric);
+}
+
+static void gas_leave(const struct rve_model *model, void *state, unsigned char *scratch)
+{
+	static const double rest[4] = {0};
+	struct rve_head *head = head_of(state);
+	head->flags &= ~RVE_GAS;
+	head->gap = 0.0;
+	rve_sub_steps(model, state, scratch, rest, 0.0, 0.0, 0, 0);
+	head->ledger[LEDGER_DISCARDED] -= stored_energy(head);
+}
+
+/* A cell that can be deformed no further, or has been pulled apart, gives way to the start packing at the same volume. */
+static int reseed(const struct rve_model *model, void *state, unsigned char *scratch)
+{
+	static const double rest[4] = {0};
+	const struct rve_layout *layout = &model->layout;
+	struct rve_head kept = *head_of(state), *head = head_of(state);
+	memcpy(state, model->variants[kept.variant].start, (size_t)layout->bytes);
+	double stretch = sqrt(mat2_determinant(kept.F));
+	for (int k = 0; k < 4; k++) {
+		head->H[k] *= stretch;
+		head->F[k] = kept.F[k];
+	}
+	memset((unsigned char *)state + layout->ft, 0, sizeof(real) * (size_t)layout->pairs);
+	head->temperature = kept.temperature;
+	memcpy(head->ledger, kept.ledger, sizeof head->ledger);
+	memcpy(head->inertia, kept.inertia, sizeof head->inertia);
+	head->total_sub_steps = kept.total_sub_steps;
+	head->rebuilds = kept.rebuilds, head->clamped = kept.clamped, head->reseeded = kept.reseeded + 1;
+	int status = rve_sub_steps(model, state, scratch, rest, 0.0, 0.0, 0, 1);
+	head->ledger[LEDGER_DISCARDED] += stored_energy(&kept) - stored_energy(head);
+	return status;
+}
+
+static void rotate_tensor(double *xx, double *yy, double *xy, const double R[4])
+{
+	double a = *xx, b = *yy, c = *xy;
+	double px = R[0] * a + R[1] * c, py = R[0] * c + R[1] * b, qx = R[2] * a + R[3] * c, qy = R[2] * c + R[3] * b;
+	*xx = px * R[0] + py * R[1];
+	*yy = qx * R[2] + qy * R[3];
+	*xy = px * R[2] + py * R[3];
+}
+
+/* A frozen cell only turns; what its stress works on the strain is discarded. */
+static void frozen_advance(const struct rve_model *model, void *state, const double L[4], double dT, double dt)
+{
+	struct rve_head *head = head_of(state);
+	double spin = 0.5 * (L[1] - L[2]) * dt, rotation[4] = {0.0, spin, -spin, 0.0}, R[4];
+	mat2_exp(rotation, R);
+	mat2_multiply(R, head->H, head->H);
+	mat2_multiply(R, head->H_ref, head->H_ref);
+	real *vx = state_discs(&model->layout, state, DISC_VX), *vy = state_discs(&model->layout, state, DISC_VY);
+	for (int i = 0; i < model->layout.n; i++) {
+		double x = vx[i], y = vy[i];
+		vx[i] = R[0] * x + R[1] * y;
+		vy[i] = R[2] * x + R[3] * y;
+	}
+	rotate_tensor(&head->stress[0], &head->stress[1], &head->stress[3], R);
+	rotate_tensor(&head->contact_sum[0], &head->contact_sum[1], &head->contact_sum[2], R);
+	rotate_tensor(&head->conductivity[0], &head->conductivity[1], &head->conductivity[2], R);
+	double volume = mat2_determinant(head->F) * model->variants[head->variant].volume;
+	double power = head->stress[0] * L[0] + head->stress[1] * L[3] + head->stress[3] * (L[1] + L[2]);
+	head->ledger[LEDGER_WORK] += power * volume * dt;
+	head->ledger[LEDGER_DISCARDED] += power * volume * dt;
+	head->gap += (L[0] + L[3]) * dt;
+	head->temperature += dT;
+	head->sub_steps = 0;
+}
+
+/* The cell cannot follow this call: a fresh one if it carries nothing, else it stays as it was before. */
+static int slender(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4], double dT, double dt)
+{
+	struct rve_head *head = head_of(state);
+	if (pressure_of(head) < model->params.gas_pressure && mat2_determinant(head->F) >= 1.0) {
+		head->temperature += dT;
+		return reseed(model, state, scratch);
+	}
+	head->flags |= RVE_FROZEN;
+	head->gap = 0.0;
+	frozen_advance(model, state, L, dT, dt);
+	return KERNEL_OK;
+}
+
+/* Whether the cell may become too slender within `strain`: its state must be kept then. */
+static int nearly_slender(const struct rve_model *model, const struct rve_head *head, double strain)
+{
+	const double *H = head->H;
+	double longest = sqrt(fmax(H[0] * H[0] + H[2] * H[2], H[1] * H[1] + H[3] * H[3]));
+	double reach = 2.0 * model->constants.r_max * (1.0 + model->constants.expansion * head->temperature) + model->constants.skin;
+	return mat2_determinant(H) / longest < 3.0 * reach * exp(2.0 * strain);
+}
+
+static struct rve_outcome check_state(const struct rve_model *model, const struct rve_head *head)
+{
+	double sum = head->stress[0] + head->stress[1] + head->stress[3];
+	if (!isfinite(sum))
+		return (struct rve_outcome){OUTCOME_NAN, sum};
+	if (head->max_overlap > model->params.overlap_max)
+		return (struct rve_outcome){OUTCOME_OVERLAP, head->max_overlap};
+	return (struct rve_outcome){OUTCOME_OK, 0.0};
+}
+
+static struct rve_outcome advance_one(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4],
+                                      double dT, double dt)
+{
+	struct rve_head *head = head_of(state);
+	double volumetric = (L[0] + L[3]) * dt, rate = principal_rate(L), duration = dt;
+	double increment[4] = {L[0] * dt, L[1] * dt, L[2] * dt, L[3] * dt}, move[4];
+	if (!isfinite(rate * dt) || !isfinite(L[1] - L[2]) || !isfinite(dT))
+		return (struct rve_outcome){OUTCOME_RATE, rate};
+	mat2_exp(increment, move);
+	mat2_multiply(move, head->F, head->F);
+	if (head->flags & RVE_FROZEN) {
+		frozen_advance(model, state, L, dT, dt);
+		if (head->gap > log(model->params.gas_stretch))
+			reseed(model, state, scratch);
+		return check_state(model, head);
+	}
+	if (head->flags & RVE_GAS) {
+		double share = gas_share(head, volumetric);
+		if (share == 0.0) {
+			head->temperature += dT;
+			return (struct rve_outcome){OUTCOME_OK, 0.0};
+		}
+		duration = share * dt;
+		gas_leave(model, state, scratch);
+	}
+	int sub_steps = choose_sub_steps(&model->params, head, rate * duration);
+	count_inertia(model, head, rate * duration / sub_steps);
+	unsigned char *kept = scratch + model->layout.scratch;
+	int keep = nearly_slender(model, head, rate * duration);
+	if (keep)
+		memcpy(kept, state, (size_t)model->layout.bytes);
+	int status = rve_sub_steps(model, state, scratch, L, dT, duration, sub_steps, 0);
+	if (status == KERNEL_SLENDER && keep) {
+		memcpy(state, kept, (size_t)model->layout.bytes);
+		status = slender(model, state, scratch, L, dT, dt);
+	}
+	if (status != KERNEL_OK)
+		return (struct rve_outcome){OUTCOME_CROWDED, head->max_overlap};
+	double stretch = mat2_determinant(head->H) * model->params.thickness / model->variants[head->variant].volume;
+	if (model->params.gas && !(head->flags & RVE_FROZEN) && pressure_of(head) < model->params.gas_pressure &&
+	    stretch > model->params.gas_stretch)
+		gas_enter(head);
+	return check_state(model, head);
+}
+
+static int report_failure(const struct rve_params *params, int k, struct rve_outcome outcome)
+{
+	switch (outcome.kind) {
+	case OUTCOME_OVERLAP:
+		return error_set(STATUS_GUARD, "RVE %d: discs overlap by %.3g of the smaller radius, limit %g: the material is squeezed "
+		                 "beyond what the contacts describe; a smaller time step, a smaller strain_per_step, a larger n_max or "
+		                 "stiffer contacts help", k, outcome.value, params->overlap_max);
+	case OUTCOME_RATE:
+		return error_set(STATUS_GUARD, "RVE %d: the velocity gradient or the heating is not finite (%g 1/s): the motion around it has "
+		                 "become unstable; a smaller time step helps", k, outcome.value);
+	case OUTCOME_CROWDED:
+		return error_set(STATUS_GUARD, "RVE %d: more neighbours than discs side by side can have (overlap %.3g of the smaller radius): "
+		                 "a smaller time step or a smaller strain_per_step helps", k, outcome.value);
+	default:
+		return error_set(STATUS_GUARD, "RVE %d: the stress is not a number: the discs' motion has become unstable; a smaller "
+		                 "step_factor (now %g, at most about 0.5) helps", k, params->step_factor);
+	}
+}
+
+int rve_advance(const struct rve_model *model, struct rve_batch *batch)
+{
+	struct rve_outcome worst = {OUTCOME_OK, 0.0};
+	int threads = omp_get_max_threads() < model->n_threads ? omp_get_max_threads() : model->n_threads;
+	batch->failed = -1;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+	for (int k = 0; k < batch->n; k++) {
+		unsigned char *state = batch->states + (size_t)(batch->slot ? batch->slot[k] : k) * (size_t)model->layout.bytes;
+		const struct rve_head *head = head_of(state);
+		double friction = head->ledger[LEDGER_FRICTION];
+		struct rve_outcome outcome =
+		    advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch->L[k], batch->dT[k], batch->dt);
+		double volume = mat2_determinant(head->H) * model->params.thickness;
+		batch->heat[k] = batch->dt > 0.0 ? (head->ledger[LEDGER_FRICTION] - friction) / (volume * batch->dt) : 0.0;
+		memcpy(batch->stress[k], head->stress, sizeof head->stress);
+		memcpy(batch->conductivity[k], head->conductivity, sizeof head->conductivity);
+		batch->modulus[k] = head->modulus;
+		if (outcome.kind != OUTCOME_OK) {
+#pragma omp critical(rve_failure)
+			if (batch->failed < 0 || k < batch->failed) {
+				batch->failed = k;
+				worst = outcome;
+			}
+		}
+	}
+	return batch->failed < 0 ? STATUS_OK : report_failure(&model->params, batch->failed, worst);
+}
+
+void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3], double *modulus)
+{
+	(void)model;
+	const struct rve_head *head = head_of(state);
+	memcpy(stress, head->stress, sizeof head->stress);
+	memcpy(conductivity, head->conductivity, sizeof head->conductivity);
+	*modulus = head->modulus;
+}
+
+/* ---- what a state says of itself ---- */
+
+void rve_get_info(const struct rve_model *model, const void *state, struct rve_info *info)
+{
+	const struct rve_head *head = head_of(state);
+	const struct rve_variant *variant = &model->variants[head->variant];
+	double scale = 1.0 + model->params.expansion * head->temperature;
+	memset(info, 0, sizeof *info);
+	memcpy(info->H, head->H, sizeof info->H);
+	memcpy(info->F, head->F, sizeof info->F);
+	info->volume0 = variant->volume;
+	info->volume = head->flags & (RVE_GAS | RVE_FROZEN) ? mat2_determinant(head->F) * variant->volume
+	                                                    : mat2_determinant(head->H) * model->params.thickness;
+	info->temperature = head->temperature;
+	info->void_ratio = info->volume / model->params.thickness / (variant->solid_area * scale * scale) - 1.0;
+	info->coordination = 2.0 * head->contacts / model->layout.n;
+	info->sliding_fraction = head->contacts > 0.0 ? head->sliding / head->contacts : 0.0;
+	info->pressure = pressure_of(head);
+	info->max_overlap = head->max_overlap;
+	memcpy(info->elastic_tensor, head->tensor, sizeof info->elastic_tensor);
+	info->n_contacts = (int)head->contacts;
+	info->sub_steps = head->sub_steps;
+	info->inertial_number = head->inertial_number;
+	info->flags = head->flags;
+	info->variant = head->variant;
+	info->reseeded = head->reseeded, info->rebuilds = head->rebuilds, info->clamped = head->clamped;
+	info->total_sub_steps = head->total_sub_steps;
+	info->unbalanced = head->unbalanced;
+	for (int bin = 0; bin < RVE_INERTIA_BINS; bin++)
+		info->inertia[bin] = head->inertia[bin];
+	info->work = head->ledger[LEDGER_WORK];
+	info->elastic = head->ledger[LEDGER_ELASTIC];
+	info->kinetic = head->ledger[LEDGER_KINETIC];
+	info->friction = head->ledger[LEDGER_FRICTION];
+	info->dashpot = head->ledger[LEDGER_DASHPOT];
+	info->bond = head->ledger[LEDGER_BOND];
+	info->expansion = head->ledger[LEDGER_EXPANSION];
+	info->discarded = head->ledger[LEDGER_DISCARDED];
+}
+
+void rve_reset_ledger(const struct rve_model *model, void *state)
+{
+	(void)model;
+	struct rve_head *head = head_of(state);
+	double elastic = head->ledger[LEDGER_ELASTIC], kinetic = head->ledger[LEDGER_KINETIC];
+	memset(head->ledger, 0, sizeof head->ledger);
+	head->ledger[LEDGER_ELASTIC] = elastic;
+	head->ledger[LEDGER_KINETIC] = kinetic;
+	head->ledger[LEDGER_WORK] = elastic + kinetic;
+}

@@ -1,0 +1,99 @@
+/* Private to rve/: how the state of an RVE lies in memory, and what the kernel is told.
+ *
+ * A state is one block of bytes without pointers: struct rve_head, then arrays whose places are in
+ * struct rve_layout.  Discs are in the model's order (largest first; see rve.c). */
+#ifndef TMDEMPM_RVE_STATE_H
+#define TMDEMPM_RVE_STATE_H
+
+#include "rve/dialect.h"
+
+enum { RVE_LEVELS_MAX = 40, RVE_INERTIA_BINS = 12 };
+
+/* Arrays over discs: `real` */
+enum { DISC_SX, DISC_SY, DISC_VX, DISC_VY, DISC_W, DISC_STATE_FIELDS };
+/* and single precision: place at the last list build (cell coordinates), non-affine displacement until then (m), rotation (rad) */
+enum { DISC32_REF_X, DISC32_REF_Y, DISC32_UX, DISC32_UY, DISC32_ROTATION, DISC32_FIELDS };
+/* Constants of the discs of a packing: radius at the reference temperature (m), mass (kg), dt/m, dt/I */
+enum { TABLE_R, TABLE_MASS, TABLE_DT_MASS, TABLE_DT_INERTIA, TABLE_FIELDS };
+
+/* Ledger entries, J of the cell with its z. */
+enum { LEDGER_WORK, LEDGER_ELASTIC, LEDGER_KINETIC, LEDGER_FRICTION, LEDGER_DASHPOT, LEDGER_BOND, LEDGER_EXPANSION, LEDGER_DISCARDED, LEDGER_FIELDS };
+
+struct rve_head {
+	real H[4];           /* m, columns are the cell vectors a and b */
+	real H_ref[4];       /* at the last list build */
+	real F[4];           /* macroscopic deformation gradient since birth */
+	real temperature;    /* K from the reference */
+	real scale_ref;      /* radius / reference radius at the last list build */
+	real gap;            /* gas and frozen: ln(J / J when it began) */
+	/* of the last step */
+	real stress[4];      /* Pa */
+	real contact_sum[3]; /* J: sum sym(f b), xx yy xy */
+	real expansion_sum;  /* J: sum kn overlap (r0_i + r0_j) */
+	real conductivity[3], modulus, tensor[6];
+	real contacts, sliding, max_overlap, unbalanced, inertial_number;
+	real ledger[LEDGER_FIELDS];
+	long long total_sub_steps;
+	int n_pairs, levels;
+	index16 level_discs[RVE_LEVELS_MAX]; /* discs 0 .. level_discs[k]-1 have entries in level k */
+	unsigned inertia[RVE_INERTIA_BINS]; /* calls by inertial number */
+	int sub_steps, flags, variant, reseeded, rebuilds, clamped;
+};
+
+/* Sizes and byte offsets, the same for all RVEs of a model. */
+struct rve_layout {
+	int n;            /* discs */
+	int stride;       /* of disc arrays, in entries */
+	int pairs;        /* capacity, in pairs; also the slot that always holds zero force */
+	int pair_stride;  /* of pair arrays, in entries */
+	int levels;       /* capacity: most neighbours of one disc */
+	int grid;         /* most cells of the neighbour search along one direction */
+	int disc, disc32; /* offsets */
+	int ft;           /* real: tangential force, N */
+	int fd;           /* real32: dashpot force of the last sub-step, N */
+	int damping;      /* real32: dashpot coefficient / dt, N/m */
+	int pair_i, pair_j; /* index16 */
+	int flag;         /* unsigned char: a contact's history beyond its forces */
+	int entry;        /* index16[levels][stride]: the pairs of a disc; ENTRY_J: the disc is the pair's j */
+	int bytes;        /* of a state, a multiple of 64 */
+	int scratch;      /* bytes of a block's scratch memory */
+};
+
+/* Constants of a model. */
+struct rve_constants {
+	real kn, ks, mu;  /* N/m, N/m, - */
+	real expansion;   /* 1/K */
+	real resistance;  /* K/(W m) */
+	real thickness;   /* m */
+	real dt;          /* s, dt_DEM */
+	real r_max;       /* m */
+	real skin;        /* m */
+	real damping;     /* 2 zeta sqrt(kn) / dt */
+};
+
+/* One call for one RVE. */
+struct rve_call {
+	int sub_steps; /* 0: only measure the state as it is */
+	int rebuild;   /* 1: the neighbour list is not valid (a new state) */
+	real A[4];     /* exp(L dt / sub_steps): moves the cell */
+	real B[4];     /* R - D dt/sub_steps, R = exp(W dt / sub_steps): moves fluctuation velocities */
+	real D[3];     /* strain of one sub-step, xx yy xy */
+	real heating;  /* K in one sub-step */
+};
+
+enum rve_kernel_status { KERNEL_OK, KERNEL_SLENDER, KERNEL_CROWDED, KERNEL_LOST };
+
+enum { ENTRY_J = 0x8000, ENTRY_PAIR = 0x7fff };
+
+/* Advances one RVE.  The state changes only if the status is KERNEL_OK.  `table` = TABLE_FIELDS disc arrays. */
+void rve_kernel_base(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
+                     GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
+void rve_kernel_v3(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
+                   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
+void rve_kernel_v4(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
+                   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
+
+/* Bytes of scratch memory that a block needs. */
+int rve_kernel_scratch_bytes(const struct rve_layout *layout);
+
+#endif

@@ -1,0 +1,258 @@
+/* Readers of the values that are more than a number or a word; see keys.c. */
+#include "scene/custom.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "scene/geometry.h"
+#include "scene/private.h"
+
+static bool is_string(struct loader *loader, const struct scene_key *key, const struct node *node, const char *path)
+{
+	if (node->type == NODE_STRING)
+		return true;
+	problem_at(loader, node->place, path, "is %s, expected %s", node_kind(node), key->expected);
+	return false;
+}
+
+/* ---- laws and materials ---- */
+
+/* Seen from the file in which it stands; from the working directory on the command line.  The tree keeps the
+ * absolute path, so that the scene's text means the same wherever it is stored. */
+void read_packing_file(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					   const char *path)
+{
+	struct scene_packing *packing = target;
+	char absolute[PATH_MAX];
+	if (!is_string(loader, key, node, path))
+		return;
+	const char *dot = strrchr(node->string, '.');
+	if (!dot || (strcmp(dot, ".h5") && strcmp(dot, ".csv"))) {
+		problem_at(loader, node->place, path, "is \"%s\", expected %s", node->string, key->expected);
+		return;
+	}
+	const char *seen = node->place.line > 0 ? path_beside(loader, node->place.file, node->string) : node->string;
+	if (!realpath(seen, absolute) || access(absolute, R_OK)) {
+		problem_at(loader, node->place, path, "'%s' cannot be read, expected a packing", seen);
+		return;
+	}
+	if (strlen(absolute) >= sizeof packing->file) {
+		problem_at(loader, node->place, path, "'%s' is too long a path, expected at most %zu characters", absolute,
+				   sizeof packing->file - 1);
+		return;
+	}
+	memcpy(packing->file, absolute, strlen(absolute) + 1);
+	node->string = loader_string(loader, absolute);
+}
+
+/* A law in braces joins the scene's laws, behind those of the list; it is called like its material. */
+static int append_law(struct loader *loader, const struct scene_key *key, struct node *node, const char *material,
+					  const char *path)
+{
+	struct scene *scene = loader->scene;
+	struct scene_law *laws = scene_alloc(loader, (size_t)(scene->n_laws + 1) * sizeof *laws),
+					 *law = &laws[scene->n_laws];
+	if (scene->n_laws)
+		memcpy(laws, scene->laws, (size_t)scene->n_laws * sizeof *laws);
+	scene->laws = laws;
+	law->place = node->place;
+	const struct scene_key *keys = tables_choose(key->tables, node);
+	if (keys) {
+		read_group(loader, keys, node, law, path);
+	} else {
+		const struct node *type = node_find(node, "type");
+		problem_at(loader, type ? type->place : node->place, path,
+				   type ? "has a type that is not known, expected \"%s\" or \"%s\""
+						: "has no type, expected \"%s\" or \"%s\"",
+				   key->tables[0].type, key->tables[1].type);
+	}
+	if (!law->name[0])
+		snprintf(law->name, sizeof law->name, "%s", material);
+	return scene->n_laws++;
+}
+
+void read_material_law(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					   const char *path)
+{
+	struct scene_material *material = target;
+	material->law = -1;
+	if (node->type == NODE_GROUP)
+		material->law = append_law(loader, key, node, material->name, path);
+	else if (is_string(loader, key, node, path))
+		material->law = read_reference(loader, node, "laws", path);
+}
+
+void read_material_name(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+						const char *path)
+{
+	int *material = (int *)((char *)target + key->offset);
+	*material = -1;
+	if (is_string(loader, key, node, path))
+		*material = read_reference(loader, node, "materials", path);
+}
+
+/* ---- shapes ---- */
+
+static bool read_corners(struct loader *loader, const struct scene_key *key, struct node *node, double low[2],
+						 double high[2], const char *path)
+{
+	double v[4];
+	if (!read_numbers(loader, key, node, 4, v, path))
+		return false;
+	for (int a = 0; a < 2; a++) {
+		low[a] = v[a], high[a] = v[a + 2];
+		if (low[a] > high[a]) {
+			problem_at(loader, node->place, path, "has %cmin = %g > %cmax = %g, expected %s", "xy"[a], low[a], "xy"[a],
+					   high[a], key -> expected);
+			return false;
+		}
+	}
+	return true;
+}
+
+/* The polygon that a key `box`, `polygon` or `wedge` means; its number of corners, 0 on a problem. */
+static int read_polygon(struct loader *loader, const struct scene_key *key, struct node *node, double (**vertices)[2],
+						const char *path)
+{
+	double low[2], high[2], leg[4];
+	if (!strcmp(key->name, "polygon"))
+		return read_points(loader, key, node, vertices, path);
+	double(*v)[2] = scene_alloc(loader, 4 * sizeof *v);
+	*vertices = v;
+	if (!strcmp(key->name, "box")) {
+		if (!read_corners(loader, key, node, low, high, path))
+			return 0;
+		v[0][0] = v[3][0] = low[0], v[1][0] = v[2][0] = high[0];
+		v[0][1] = v[1][1] = low[1], v[2][1] = v[3][1] = high[1];
+		return 4;
+	}
+	if (!read_numbers(loader, key, node, 4, leg, path))
+		return 0;
+	for (int k = 0; k < 3; k++)
+		v[k][0] = leg[0] + (k == 1 ? leg[2] : 0.0), v[k][1] = leg[1] + (k == 2 ? leg[3] : 0.0);
+	return 3;
+}
+
+void read_body_shape(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					 const char *path)
+{
+	struct scene_body *body = target;
+	if (body->n_vertices)
+		problem_at(loader, node->place, path, "is a second shape of this body, expected one");
+	body->n_vertices = read_polygon(loader, key, node, &body->vertices, path);
+}
+
+void read_wall_shape(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					 const char *path)
+{
+	struct scene_wall *wall = target;
+	if (wall->n_vertices)
+		problem_at(loader, node->place, path, "is a second shape of this wall, expected one");
+	bool line = !strcmp(key->name, "line");
+	wall->shape = line ? SCENE_WALL_LINE : SCENE_WALL_POLYGON;
+	wall->n_vertices = line ? read_points(loader, key, node, &wall->vertices, path)
+							: read_polygon(loader, key, node, &wall->vertices, path);
+	if (line && wall->n_vertices && wall->n_vertices != 2)
+		problem_at(loader, node->place, path, "has %d points, expected two: %s", wall->n_vertices, key->expected);
+}
+
+void read_box(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+{
+	read_corners(loader, key, node, (double *)((char *)target + key->offset),
+				 (double *)((char *)target + key->n_offset), path);
+}
+
+/* ---- stages ---- */
+
+static bool is_string_list(struct loader *loader, const struct scene_key *key, const struct node *node,
+						   const char *path)
+{
+	bool good = node->type == NODE_LIST || node->type == NODE_ARRAY;
+	for (int k = 0; good && k < node->n; k++)
+		good = node->children[k]->type == NODE_STRING;
+	if (!good)
+		problem_at(loader, node->place, path, "is %s, expected %s",
+				   node->type == NODE_STRING ? "a single string" : "no such list", key->expected);
+	return good;
+}
+
+void read_stage_walls(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					  const char *path)
+{
+	struct scene_stage *stage = target;
+	if (!is_string_list(loader, key, node, path))
+		return;
+	stage->n_walls = node->n;
+	stage->walls = scene_alloc(loader, ((size_t)node->n + 1) * sizeof *stage->walls);
+	for (int k = 0; k < node->n; k++)
+		stage->walls[k] = read_reference(loader, node->children[k], "walls", path);
+}
+
+void read_stage_then(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					 const char *path)
+{
+	struct scene_stage *stage = target;
+	if (!is_string_list(loader, key, node, path))
+		return;
+	for (int k = 0; k < node->n; k++) {
+		const struct node *what = node->children[k];
+		if (!strcmp(what->string, "zero_velocity"))
+			stage->then_zero_velocity = true;
+		else if (!strcmp(what->string, "zero_ledger"))
+			stage->then_zero_ledger = true;
+		else
+			problem_at(loader, what->place, path, "holds \"%s\", expected %s", what->string, key->expected);
+	}
+}
+
+/* ---- probes and images ---- */
+
+void read_probe_where(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					  const char *path)
+{
+	struct scene_probe *probe = target;
+	probe->id = -1;
+	if (!strcmp(key->name, "id")) {
+		probe->kind = SCENE_PROBE_ID;
+		if (node->type == NODE_INTEGER && node->integer >= 0)
+			probe->id = (long)node->integer;
+		else
+			problem_at(loader, node->place, path, "is %s, expected %s",
+					   node->type == NODE_INTEGER ? "negative" : node_kind(node), key->expected);
+		return;
+	}
+	probe->kind = !strcmp(key->name, "at") ? SCENE_PROBE_AT : SCENE_PROBE_MATERIAL;
+	read_numbers(loader, key, node, 2, probe->at, path);
+}
+
+void read_component(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					const char *path)
+{
+	static const struct {
+		const char *name;
+		int index;
+	} components[] = {{"magnitude", -1}, {"x", 0}, {"y", 1}, {"xx", 0}, {"yy", 1}, {"zz", 2}, {"xy", 3}};
+	struct scene_image *image = target;
+	if (!is_string(loader, key, node, path))
+		return;
+	for (size_t k = 0; k < sizeof components / sizeof *components; k++)
+		if (!strcmp(node->string, components[k].name)) {
+			image->component = components[k].index;
+			return;
+		}
+	problem_at(loader, node->place, path, "is \"%s\", expected %s", node->string, key->expected);
+}
+
+void read_range(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+{
+	struct scene_image *image = target;
+	image->range_auto = node->type == NODE_STRING && !strcmp(node->string, "auto");
+	if (image->range_auto)
+		return;
+	if (node->type == NODE_STRING)
+		problem_at(loader, node->place, path, "is \"%s\", expected %s", node->string, key->expected);
+	else if (read_numbers(loader, key, node, 2, image->range, path) && image->range[0] >= image->range[1])
+		problem_at(loader, node->place, path, "is [%g, %g], expected min < max", image->range[0], image->range[1]);
+}

@@ -1,0 +1,25 @@
+/* Values of the key table that need a reader of their own.  `target` is the struct that holds the key. */
+#ifndef TMDEMPM_SCENE_CUSTOM_H
+#define TMDEMPM_SCENE_CUSTOM_H
+
+struct loader;
+struct scene_key;
+struct node;
+
+#define READER(name) void name(struct loader *, const struct scene_key *, struct node *, void *target, const char *path)
+
+READER(read_packing_file);
+READER(read_material_law);
+READER(read_material_name);
+READER(read_body_shape);
+READER(read_wall_shape);
+READER(read_box); /* lower corner at key->offset, upper at key->n_offset */
+READER(read_stage_walls);
+READER(read_stage_then);
+READER(read_probe_where);
+READER(read_component);
+READER(read_range);
+
+#undef READER
+
+#endif

@@ -1,0 +1,92 @@
+/* Defaults that depend on other values. */
+#include <math.h>
+#include <string.h>
+
+#include "scene/geometry.h"
+#include "scene/private.h"
+
+static const double ROOM_TEMPERATURE = 293.15; /* K */
+
+static double otherwise(double value, double fallback) { return isnan(value) ? fallback : value; }
+
+/* Without a word about it, heat is on if the scene says anything that only makes sense with heat. */
+static bool needs_heat(const struct scene *scene)
+{
+	bool needs = false;
+	for (int k = 0; k < scene->n_materials; k++)
+		needs |= !isnan(scene->materials[k].heat_capacity);
+	for (int k = 0; k < scene->n_walls; k++)
+		needs |= scene->walls[k].active && (!isnan(scene->walls[k].temperature) || scene->walls[k].heat_share > 0.0);
+	for (int k = 0; k < scene->n_boundaries; k++)
+		needs |= !isnan(scene->boundaries[k].temperature) || !isnan(scene->boundaries[k].flux);
+	return needs;
+}
+
+static void finish_bodies(struct scene *scene, const struct node *bodies)
+{
+	for (int k = 0; k < scene->n_bodies; k++) {
+		struct scene_body *body = &scene->bodies[k];
+		body->temperature = otherwise(body->temperature, ROOM_TEMPERATURE);
+		polygon_orient(body->n_vertices, body->vertices);
+		const struct node *layers = k < bodies->n ? node_find(bodies->children[k], "layers") : NULL;
+		for (int j = 0; layers && j < body->n_layers; j++) {
+			struct scene_layer *layer = &body->layers[j];
+			layer->temperature = otherwise(layer->temperature, body->temperature);
+			if (!node_find(layers->children[j], "material"))
+				layer->material = body->material;
+		}
+	}
+}
+
+static void finish_walls(struct scene *scene)
+{
+	for (int k = 0; k < scene->n_walls; k++) {
+		struct scene_wall *wall = &scene->walls[k];
+		wall->depth = otherwise(wall->depth, 2.0 * scene->grid.cell);
+		wall->until = otherwise(wall->until, INFINITY);
+		if (wall->shape == SCENE_WALL_POLYGON)
+			polygon_orient(wall->n_vertices, wall->vertices);
+	}
+	for (int k = 0; k < scene->n_boundaries; k++) {
+		struct scene_boundary *boundary = &scene->boundaries[k];
+		boundary->layer = otherwise(boundary->layer, scene->grid.cell);
+		boundary->until = otherwise(boundary->until, INFINITY);
+	}
+}
+
+static void finish_output(struct scene *scene)
+{
+	struct scene_output *output = &scene->output;
+	double end = scene->time.end;
+	output->history_every = otherwise(output->history_every, end / 200.0);
+	output->snapshot_every = otherwise(output->snapshot_every, end / 20.0);
+	output->checkpoint_every = otherwise(output->checkpoint_every, end / 10.0);
+	for (int k = 0; k < scene->n_images; k++) {
+		struct scene_image *image = &scene->images[k];
+		image->every = otherwise(image->every, output->snapshot_every > 0.0 ? output->snapshot_every : end / 20.0);
+		for (int a = 0; a < 2 && image->kind == SCENE_IMAGE_POINTS; a++) {
+			image->view[a] = otherwise(image->view[a], scene->grid.origin[a]);
+			image->view[a + 2] = otherwise(image->view[a + 2], scene->grid.origin[a] + scene->grid.size[a]);
+		}
+	}
+}
+
+void finish_scene(struct loader *loader)
+{
+	struct scene *scene = loader->scene;
+	const struct node *thermal = node_find(loader->root, "thermal"), *stages = node_find(loader->root, "stages");
+	if (!thermal || !node_find(thermal, "on"))
+		scene->thermal.on = needs_heat(scene);
+	for (int k = 0; k < scene->n_laws; k++)
+		if (!strcmp(scene->laws[k].rve.packing.lattice, "random"))
+			scene->laws[k].rve.packing.lattice[0] = '\0';
+	if (scene->n_bodies)
+		finish_bodies(scene, node_find(loader->root, "bodies"));
+	finish_walls(scene);
+	for (int k = 0; k < scene->n_stages; k++) {
+		scene->stages[k].duration = otherwise(scene->stages[k].duration, INFINITY);
+		if (!node_find(stages->children[k], "walls"))
+			scene->stages[k].n_walls = -1;
+	}
+	finish_output(scene);
+}

@@ -1,0 +1,490 @@
+/* Everything that a scene can say: names, types, units, defaults, limits, meaning.  This table drives the
+ * parser, the checks, the suggestions, and the test of scenarios/reference.cfg. */
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/custom.h"
+#include "scene/private.h"
+
+/* A table is read line by line, so it keeps its own layout. */
+/* clang-format off */
+#define AT(s, field) .offset = offsetof(struct s, field)
+#define LIST(s, array, counter) \
+	.type = KEY_LIST, .offset = offsetof(struct s, array), .n_offset = offsetof(struct s, counter), \
+	.element_size = sizeof *((struct s *)0)->array
+#define CHOICES(...) .choices = (const char *const[]){__VA_ARGS__, NULL}
+#define KEYS(table) .tables = (const struct scene_table[]){{NULL, table}, {NULL, NULL}}
+#define END {.name = NULL}
+
+static const struct scene_key units_keys[] = {
+	{.name = "temperature", .type = KEY_FLAG, AT(scene_units, celsius), .value = "\"K\"", CHOICES("K", "C"),
+	 .doc = "unit of every temperature in the scene and in its outputs"},
+	END};
+
+static const struct scene_key grid_keys[] = {
+	{.name = "origin", .type = KEY_FLOATS, AT(scene_grid, origin), .count = 2, .unit = "m", .required = true,
+	 .doc = "lower left node"},
+	{.name = "size", .type = KEY_FLOATS, AT(scene_grid, size), .count = 2, .unit = "m", .required = true, .range = RANGE_POSITIVE,
+	 .doc = "width and height, a whole number of cells each"},
+	{.name = "cell", .type = KEY_FLOAT, AT(scene_grid, cell), .unit = "m", .required = true, .range = RANGE_POSITIVE,
+	 .doc = "edge of the square cells"},
+	{.name = "thickness", .type = KEY_FLOAT, AT(scene_grid, thickness), .unit = "m", .value = "1.0", .range = RANGE_POSITIVE,
+	 .doc = "out of plane; gives masses, forces and energies"},
+	END};
+
+static const struct scene_key time_keys[] = {
+	{.name = "end", .type = KEY_FLOAT, AT(scene_time, end), .unit = "s", .required = true, .range = RANGE_POSITIVE,
+	 .doc = "when the run is done"},
+	{.name = "step", .type = KEY_FLOAT, AT(scene_time, step), .unit = "s", .required = true, .range = RANGE_POSITIVE,
+	 .doc = "fixed time step"},
+	{.name = "step_factor", .type = KEY_FLOAT, AT(scene_time, step_factor), .value = "1.0", .range = RANGE_WITHIN, .min = 0.01, .max = 1.0,
+	 .doc = "b of the limit step <= b cell sqrt(density / P-wave modulus), beyond which a step is refused"},
+	{.name = "thermal_steps", .type = KEY_INT, AT(scene_time, thermal_steps), .value = "1", .range = RANGE_WITHIN, .min = 1, .max = 1000,
+	 .doc = "thermal sub-steps in each mechanical step"},
+	{.name = "thermal_every", .type = KEY_INT, AT(scene_time, thermal_every), .value = "1", .range = RANGE_WITHIN, .min = 1, .max = 1000000,
+	 .doc = "or one thermal step every so many mechanical steps"},
+	END};
+
+static const struct scene_key mpm_keys[] = {
+	{.name = "shape", .type = KEY_CHOICE, AT(scene_mpm, shape), .value = "\"ugimp\"", CHOICES("ugimp", "linear"),
+	 .doc = "shape functions"},
+	{.name = "transfer", .type = KEY_CHOICE, AT(scene_mpm, transfer), .value = "\"flip\"", CHOICES("flip"),
+	 .doc = "how velocities go from the nodes to the points"},
+	{.name = "order", .type = KEY_CHOICE, AT(scene_mpm, order), .value = "\"usl\"", CHOICES("usl"),
+	 .doc = "when stresses are updated: usl = last in the step"},
+	{.name = "pic_fraction", .type = KEY_FLOAT, AT(scene_mpm, pic_fraction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "share of PIC in each step's velocity update; smooths like a viscosity of about 0.19 pic_fraction cell^2 / step"},
+	{.name = "damping_particle", .type = KEY_FLOAT, AT(scene_mpm, damping_particle), .unit = "1/s", .value = "0.0",
+	 .range = RANGE_NOT_NEGATIVE, .doc = "damping rate of the points' velocity"},
+	{.name = "damping_grid", .type = KEY_FLOAT, AT(scene_mpm, damping_grid), .unit = "1/s", .value = "0.0",
+	 .range = RANGE_NOT_NEGATIVE, .doc = "damping rate of the nodes' velocity"},
+	{.name = "confining_pressure", .type = KEY_FLOAT, AT(scene_mpm, confining_pressure), .unit = "Pa", .value = "0.0",
+	 .range = RANGE_NOT_NEGATIVE, .doc = "pressure that acts on every free surface and follows it"},
+	END};
+
+static const struct scene_key thermal_keys[] = {
+	{.name = "on", .type = KEY_BOOL, AT(scene_thermal, on), .absent = "true if a material has a heat_capacity or something is heated",
+	 .doc = "heat is conducted and stored; false = no thermal pass"},
+	{.name = "friction_heat", .type = KEY_BOOL, AT(scene_thermal, friction_heat), .value = "true",
+	 .doc = "friction between the discs of RVEs heats the points"},
+	END};
+
+/* ---- laws ---- */
+
+static const struct scene_key packing_keys[] = {
+	{.name = "file", .type = KEY_CUSTOM, AT(scene_packing, file), .absent = "the packing is generated from the keys below", .text = true,
+	 .expected = "a file name ending in .h5 or .csv", .read = read_packing_file,
+	 .doc = "a stored packing, its path as seen from this file"},
+	{.name = "lattice", .type = KEY_CHOICE, AT(scene_packing, lattice), .value = "\"random\"", CHOICES("random", "square"),
+	 .doc = "how the discs start: at random, or on a square lattice of discs of radius_max without noise"},
+	{.name = "discs", .type = KEY_INT, AT(scene_packing, discs), .value = "400", .range = RANGE_WITHIN, .min = 16, .max = 16000,
+	 .doc = "number of discs"},
+	{.name = "radius_min", .type = KEY_FLOAT, AT(scene_packing, radius_min), .unit = "m", .value = "0.25e-3", .range = RANGE_POSITIVE,
+	 .doc = "smallest radius of a uniform distribution"},
+	{.name = "radius_max", .type = KEY_FLOAT, AT(scene_packing, radius_max), .unit = "m", .value = "0.5e-3", .range = RANGE_POSITIVE,
+	 .doc = "largest radius"},
+	{.name = "pressure", .type = KEY_FLOAT, AT(scene_packing, pressure), .unit = "Pa", .absent = "only with file",
+	 .range = RANGE_POSITIVE, .doc = "isotropic pressure of consolidation"},
+	{.name = "mu", .type = KEY_FLOAT, AT(scene_packing, mu), .value = "0.5", .range = RANGE_WITHIN, .min = 0.0, .max = 10.0,
+	 .doc = "friction during consolidation: 0.01 packs densely, 0.5 loosely"},
+	{.name = "void_ratio", .type = KEY_FLOAT, AT(scene_packing, void_ratio), .absent = "whatever mu gives",
+	 .range = RANGE_WITHIN, .min = 0.1, .max = 0.4, .doc = "target; mu is then found by bisection"},
+	{.name = "seed", .type = KEY_UNSIGNED, AT(scene_packing, seed), .value = "1", .range = RANGE_WITHIN, .min = 0, .max = 4294967295.0,
+	 .doc = "of the random numbers; the same seed gives the same packing"},
+	END};
+
+#define LAW_KEYS \
+	{.name = "name", .type = KEY_NAME, AT(scene_law, name), .absent = "the material's name (in the list laws it is required)", \
+	 .doc = "by which materials refer to the law"}, \
+	{.name = "type", .type = KEY_ENUM, AT(scene_law, type), .required = true, CHOICES("thermoelastic", "rve"), \
+	 .doc = "linear thermoelasticity, or a cell of discs behind every point"}
+
+static const struct scene_key thermoelastic_keys[] = {
+	LAW_KEYS,
+	{.name = "young", .type = KEY_FLOAT, AT(scene_law, thermoelastic.young), .unit = "Pa", .required = true, .range = RANGE_POSITIVE,
+	 .doc = "Young's modulus"},
+	{.name = "poisson", .type = KEY_FLOAT, AT(scene_law, thermoelastic.poisson), .required = true, .range = RANGE_BETWEEN, .min = -1.0,
+	 .max = 0.5, .doc = "Poisson's ratio"},
+	{.name = "expansion", .type = KEY_FLOAT, AT(scene_law, thermoelastic.expansion), .unit = "1/K", .value = "0.0", .range = RANGE_WITHIN,
+	 .min = -0.1, .max = 0.1, .doc = "linear thermal expansion"},
+	{.name = "plane", .type = KEY_FLAG, AT(scene_law, thermoelastic.plane_stress), .value = "\"strain\"", CHOICES("strain", "stress"),
+	 .doc = "what holds out of the plane"},
+	END};
+
+static const struct scene_key rve_keys[] = {
+	LAW_KEYS,
+	{.name = "packing", .type = KEY_GROUP, AT(scene_law, rve.packing), KEYS(packing_keys), .required = true,
+	 .doc = "the cell's discs at the start"},
+	{.name = "kn", .type = KEY_FLOAT, AT(scene_law, rve.kn), .unit = "N/m", .value = "1e6", .range = RANGE_POSITIVE,
+	 .doc = "normal contact stiffness"},
+	{.name = "ks", .type = KEY_FLOAT, AT(scene_law, rve.ks), .unit = "N/m", .value = "1e6", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "tangential contact stiffness"},
+	{.name = "mu", .type = KEY_FLOAT, AT(scene_law, rve.mu), .value = "0.5", .range = RANGE_WITHIN, .min = 0.0, .max = 10.0,
+	 .doc = "friction between discs"},
+	{.name = "damping_ratio", .type = KEY_FLOAT, AT(scene_law, rve.damping_ratio), .value = "0.2", .range = RANGE_WITHIN, .min = 0.0,
+	 .max = 1.0, .doc = "of the normal dashpot, relative to critical damping"},
+	{.name = "grain_density", .type = KEY_FLOAT, AT(scene_law, rve.grain_density), .unit = "kg/m3", .value = "2650.0",
+	 .range = RANGE_POSITIVE, .doc = "of the discs; the material's bulk density is this / (1 + void ratio)"},
+	{.name = "disc_thickness", .type = KEY_FLOAT, AT(scene_law, rve.disc_thickness), .unit = "m", .value = "0.075",
+	 .range = RANGE_POSITIVE, .doc = "z of the cell, enters its volume only"},
+	{.name = "expansion", .type = KEY_FLOAT, AT(scene_law, rve.expansion), .unit = "1/K", .value = "1e-4", .range = RANGE_WITHIN,
+	 .min = -0.1, .max = 0.1, .doc = "linear thermal expansion of the discs"},
+	{.name = "resistance", .type = KEY_FLOAT, AT(scene_law, rve.resistance), .unit = "K/(W m)", .value = "1e4", .range = RANGE_POSITIVE,
+	 .doc = "thermal resistance of a contact per length of its branch"},
+	{.name = "step_factor", .type = KEY_FLOAT, AT(scene_law, rve.step_factor), .value = "0.4", .range = RANGE_WITHIN, .min = 0.001,
+	 .max = 0.6, .doc = "DEM step / sqrt(smallest mass / kn); unstable above 0.57 to 0.62"},
+	{.name = "strain_per_step", .type = KEY_FLOAT, AT(scene_law, rve.strain_per_step), .value = "5e-5", .range = RANGE_WITHIN, .min = 1e-9,
+	 .max = 0.01, .doc = "largest strain in one DEM step at 100 kPa: 5e-5 good, 2e-4 economy, 1e-6 with n_max = 0 reference"},
+	{.name = "pressure_scaling", .type = KEY_BOOL, AT(scene_law, rve.pressure_scaling), .value = "true",
+	 .doc = "strain_per_step shrinks as sqrt(p / 100 kPa), to a tenth at most"},
+	{.name = "n_max", .type = KEY_INT, AT(scene_law, rve.n_max), .value = "20", .range = RANGE_WITHIN, .min = 0, .max = 1000000,
+	 .doc = "most DEM steps in one step of the scene; 0 = as many as strain_per_step asks for"},
+	{.name = "skin", .type = KEY_FLOAT, AT(scene_law, rve.skin), .value = "0.2", .range = RANGE_WITHIN, .min = 0.01, .max = 2.0,
+	 .doc = "margin of the neighbour list / largest radius"},
+	{.name = "gas", .type = KEY_BOOL, AT(scene_law, rve.gas), .value = "true",
+	 .doc = "points whose discs have lost touch fly without stress and cost nothing"},
+	{.name = "gas_pressure", .type = KEY_FLOAT, AT(scene_law, rve.gas_pressure), .unit = "Pa", .value = "20.0",
+	 .range = RANGE_NOT_NEGATIVE, .doc = "below which"},
+	{.name = "gas_stretch", .type = KEY_FLOAT, AT(scene_law, rve.gas_stretch), .value = "1.12", .range = RANGE_WITHIN, .min = 1.0,
+	 .max = 10.0, .doc = "and above which volume ratio that happens"},
+	{.name = "overlap_max", .type = KEY_FLOAT, AT(scene_law, rve.overlap_max), .value = "0.3", .range = RANGE_WITHIN, .min = 0.001,
+	 .max = 1.0, .doc = "overlap / smaller radius at which the run is stopped"},
+	END};
+
+#define LAW_TABLES .tables = (const struct scene_table[]){{"thermoelastic", thermoelastic_keys}, {"rve", rve_keys}, {NULL, NULL}}
+
+static const struct scene_key material_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_material, name), .required = true, .doc = "by which bodies refer to the material"},
+	{.name = "law", .type = KEY_CUSTOM, AT(scene_material, law), .required = true, .text = true, .read = read_material_law,
+	 .expected = "the name of a law, or a law in braces: { type = ...; ... }", LAW_TABLES,
+	 .doc = "name of a law in laws, or a law of its own in braces"},
+	{.name = "density", .type = KEY_FLOAT, AT(scene_material, density), .unit = "kg/m3", .range = RANGE_POSITIVE,
+	 .absent = "grain_density / (1 + void ratio) of an rve; thermoelastic: required", .doc = "bulk density at the start"},
+	{.name = "heat_capacity", .type = KEY_FLOAT, AT(scene_material, heat_capacity), .unit = "J/(kg K)", .range = RANGE_POSITIVE,
+	 .absent = "only without heat", .doc = "specific heat capacity"},
+	{.name = "conductivity", .type = KEY_FLOAT, AT(scene_material, conductivity), .unit = "W/(m K)", .range = RANGE_NOT_NEGATIVE,
+	 .absent = "from the contacts of an rve; thermoelastic: only without heat", .doc = "thermal conductivity"},
+	{.name = "reference_temperature", .type = KEY_TEMPERATURE, AT(scene_material, reference_temperature),
+	 .absent = "the body's temperature", .doc = "at which the thermal strain is zero"},
+	END};
+
+/* ---- bodies and walls ---- */
+
+static const struct scene_key layer_keys[] = {
+	{.name = "top", .type = KEY_FLOAT, AT(scene_layer, top), .unit = "m", .required = true, .doc = "upper y of the layer"},
+	{.name = "material", .type = KEY_CUSTOM, AT(scene_layer, material), .absent = "the body's material", .text = true,
+	 .read = read_material_name, .expected = "the name of a material", .doc = "name of a material"},
+	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_layer, temperature), .absent = "the body's temperature",
+	 .doc = "at the start"},
+	END};
+
+static const struct scene_key body_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_body, name), .required = true, .doc = "of the body"},
+	{.name = "material", .type = KEY_CUSTOM, AT(scene_body, material), .required = true, .text = true, .read = read_material_name,
+	 .expected = "the name of a material", .doc = "name of a material"},
+	{.name = "box", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_body_shape,
+	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "the region, as [xmin, ymin, xmax, ymax]"},
+	{.name = "polygon", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_body_shape,
+	 .expected = "([x, y], [x, y], [x, y], ...)", .doc = "the region, as its corners ([x, y], ...) in order"},
+	{.name = "lattice_origin", .type = KEY_FLOATS, AT(scene_body, lattice_origin), .count = 2, .unit = "m", .absent = "the grid's origin",
+	 .doc = "points sit strictly inside the region at lattice_origin + (i + 1/2, j + 1/2) spacing"},
+	{.name = "points_per_cell", .type = KEY_INT, AT(scene_body, points_per_cell), .value = "4", .range = RANGE_WITHIN, .min = 1, .max = 16,
+	 .doc = "1, 4, 9 or 16; the spacing is cell / sqrt(points_per_cell)"},
+	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_body, temperature), .absent = "20 C", .doc = "at the start"},
+	{.name = "velocity", .type = KEY_FLOATS, AT(scene_body, velocity), .count = 2, .unit = "m/s", .value = "[0.0, 0.0]",
+	 .doc = "at the start"},
+	{.name = "variants", .type = KEY_INT, AT(scene_body, variants), .value = "1", .range = RANGE_WITHIN, .min = 1, .max = 1000,
+	 .doc = "number of packings (seed, seed + 1, ...) dealt out to the points in turn"},
+	{.name = "layers", LIST(scene_body, layers, n_layers), KEYS(layer_keys), .absent = "one material",
+	 .doc = "fills of different material or temperature, from the bottom up"},
+	END};
+
+static const struct scene_key wall_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_wall, name), .required = true, .doc = "of the wall; its loads are wall.NAME in the history"},
+	{.name = "line", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_wall_shape,
+	 .expected = "([x, y], [x, y])", .doc = "from first to second point ([x, y], [x, y]), solid on its right"},
+	{.name = "box", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_wall_shape,
+	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "solid inside [xmin, ymin, xmax, ymax]"},
+	{.name = "polygon", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_wall_shape,
+	 .expected = "([x, y], [x, y], [x, y], ...)", .doc = "solid inside the corners ([x, y], ...)"},
+	{.name = "wedge", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_wall_shape,
+	 .expected = "[x, y, leg_x, leg_y]",
+	 .doc = "solid right-angled triangle with its right angle at x, y and legs along x and y: [x, y, leg_x, leg_y]"},
+	{.name = "depth", .type = KEY_FLOAT, AT(scene_wall, depth), .unit = "m", .absent = "two cells", .range = RANGE_POSITIVE,
+	 .doc = "of the solid behind a line"},
+	{.name = "contact", .type = KEY_ENUM, AT(scene_wall, contact), .value = "\"frictional\"", CHOICES("frictional", "slip", "stick"),
+	 .doc = "pushes only, with Coulomb friction; or normal velocity tied both ways, no friction; or both tied"},
+	{.name = "friction", .type = KEY_FLOAT, AT(scene_wall, friction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 100.0,
+	 .doc = "coefficient of friction"},
+	{.name = "velocity", .type = KEY_FLOATS, AT(scene_wall, velocity), .count = 2, .unit = "m/s", .value = "[0.0, 0.0]",
+	 .doc = "the wall moves with it while it is active"},
+	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_wall, temperature), .absent = "insulating",
+	 .doc = "of nodes in contact with the wall"},
+	{.name = "heat_share", .type = KEY_FLOAT, AT(scene_wall, heat_share), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "share of the friction work at the wall that heats the material"},
+	{.name = "from", .type = KEY_FLOAT, AT(scene_wall, from), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "active from this time"},
+	{.name = "until", .type = KEY_FLOAT, AT(scene_wall, until), .unit = "s", .absent = "for ever", .range = RANGE_POSITIVE,
+	 .doc = "until this time"},
+	{.name = "active", .type = KEY_BOOL, AT(scene_wall, active), .value = "true",
+	 .doc = "false leaves the wall out of the scene, for variants"},
+	END};
+
+static const struct scene_key boundary_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_boundary, name), .required = true, .doc = "of the boundary"},
+	{.name = "box", .type = KEY_CUSTOM, AT(scene_boundary, min), .n_offset = offsetof(struct scene_boundary, max), .unit = "m", .required = true, .read = read_box,
+	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "nodes in [xmin, ymin, xmax, ymax] (which may have no width); points, for a flux"},
+	{.name = "velocity_x", .type = KEY_FLOAT, AT(scene_boundary, velocity[0]), .unit = "m/s", .absent = "free",
+	 .doc = "imposed on the nodes"},
+	{.name = "velocity_y", .type = KEY_FLOAT, AT(scene_boundary, velocity[1]), .unit = "m/s", .absent = "free",
+	 .doc = "imposed on the nodes"},
+	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_boundary, temperature), .absent = "free", .doc = "imposed on the nodes"},
+	{.name = "flux", .type = KEY_FLOAT, AT(scene_boundary, flux), .unit = "W/m2", .absent = "none", .doc = "heat into the material"},
+	{.name = "layer", .type = KEY_FLOAT, AT(scene_boundary, layer), .unit = "m", .absent = "one cell", .range = RANGE_POSITIVE,
+	 .doc = "thickness over which the flux enters"},
+	{.name = "from", .type = KEY_FLOAT, AT(scene_boundary, from), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "active from this time"},
+	{.name = "until", .type = KEY_FLOAT, AT(scene_boundary, until), .unit = "s", .absent = "for ever", .range = RANGE_POSITIVE,
+	 .doc = "until this time"},
+	END};
+
+static const struct scene_key stage_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_stage, name), .required = true, .doc = "of the stage"},
+	{.name = "duration", .type = KEY_FLOAT, AT(scene_stage, duration), .unit = "s", .absent = "until time.end (the last stage only)",
+	 .range = RANGE_POSITIVE, .doc = "how long it lasts"},
+	{.name = "damping", .type = KEY_FLOAT, AT(scene_stage, damping), .unit = "1/s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "added to mpm.damping_particle"},
+	{.name = "walls", .type = KEY_CUSTOM, AT(scene_stage, walls), .absent = "all walls", .read = read_stage_walls,
+	 .expected = "a list of names of walls: (\"ground\", ...)", .doc = "names of the walls that stand in this stage"},
+	{.name = "then", .type = KEY_CUSTOM, .absent = "nothing", .read = read_stage_then,
+	 .expected = "a list of \"zero_velocity\" and \"zero_ledger\"",
+	 .doc = "what is done when it ends: zero_velocity (stop all points), zero_ledger (count energies anew)"},
+	END};
+
+/* ---- outputs ---- */
+
+static const struct scene_key probe_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_probe, name), .required = true, .doc = "its columns are NAME.temperature ... in the history"},
+	{.name = "at", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another place", .read = read_probe_where,
+	 .expected = "[x, y]", .doc = "a fixed place [x, y]"},
+	{.name = "material", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another place", .read = read_probe_where,
+	 .expected = "[x, y]", .doc = "a place [x, y] in the initial body, which moves with the material"},
+	{.name = "id", .type = KEY_CUSTOM, .absent = "only with another place", .read = read_probe_where,
+	 .expected = "the number of a point, 0 or more", .doc = "a point by its number, counted body by body, row by row from the lower left"},
+	END};
+
+static const struct scene_key region_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_region, name), .required = true,
+	 .doc = "its columns are region.NAME.mass, flow and temperature in the history"},
+	{.name = "box", .type = KEY_CUSTOM, AT(scene_region, min), .n_offset = offsetof(struct scene_region, max), .unit = "m", .required = true, .read = read_box,
+	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "[xmin, ymin, xmax, ymax]"},
+	END};
+
+static const struct scene_key inspect_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_inspect, name), .required = true, .doc = "of the RVE in files and pictures"},
+	{.name = "at", .type = KEY_FLOATS, AT(scene_inspect, at), .count = 2, .unit = "m", .absent = "only with another place",
+	 .doc = "the RVE of the point nearest to [x, y] at the start"},
+	{.name = "id", .type = KEY_LONG, AT(scene_inspect, id), .absent = "only with another place", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "or of the point with this number"},
+	END};
+
+static const struct scene_key output_keys[] = {
+	{.name = "history_every", .type = KEY_FLOAT, AT(scene_output, history_every), .unit = "s", .absent = "time.end / 200",
+	 .range = RANGE_POSITIVE, .doc = "between rows of history.csv"},
+	{.name = "snapshot_every", .type = KEY_FLOAT, AT(scene_output, snapshot_every), .unit = "s", .absent = "time.end / 20",
+	 .range = RANGE_NOT_NEGATIVE, .doc = "between snapshots; 0 = none"},
+	{.name = "checkpoint_every", .type = KEY_FLOAT, AT(scene_output, checkpoint_every), .unit = "s", .absent = "time.end / 10",
+	 .range = RANGE_NOT_NEGATIVE, .doc = "between checkpoints; 0 = only at the end"},
+	{.name = "vtk", .type = KEY_BOOL, AT(scene_output, vtk), .value = "true", .doc = "write .vtp, .vti and .pvd beside each snapshot"},
+	{.name = "rve_states", .type = KEY_FLAG, AT(scene_output, rve_states_all), .value = "\"inspected\"", CHOICES("inspected", "all"),
+	 .doc = "which RVE states a snapshot carries"},
+	END};
+
+static const struct scene_key image_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_image, name), .required = true, .doc = "of the files images/NAME_*.png"},
+	{.name = "kind", .type = KEY_ENUM, AT(scene_image, kind), .value = "\"points\"", CHOICES("points", "rve"),
+	 .doc = "the scene, its points drawn as the domains they own, or one RVE"},
+	{.name = "field", .type = KEY_NAME, AT(scene_image, field), .required = true,
+	 .doc = "a field of the points (tmdempm info lists them); of an RVE: displacement, rotation, coordination or radius"},
+	{.name = "component", .type = KEY_CUSTOM, AT(scene_image, component), .value = "\"magnitude\"", .text = true, .read = read_component,
+	 .expected = "\"magnitude\", x, y, xx, yy, zz or xy", .doc = "magnitude (or the scalar itself), x, y, xx, yy, zz or xy"},
+	{.name = "rve", .type = KEY_NAME, AT(scene_image, rve), .absent = "only for points", .doc = "name in inspect"},
+	{.name = "view", .type = KEY_FLOATS, AT(scene_image, view), .count = 4, .unit = "m", .absent = "the grid, or the RVE's cell",
+	 .doc = "[xmin, ymin, xmax, ymax]"},
+	{.name = "size", .type = KEY_INTS, AT(scene_image, size), .count = 2, .unit = "pixels", .value = "[1000, 800]", .range = RANGE_WITHIN,
+	 .min = 16, .max = 8192, .doc = "width and height"},
+	{.name = "map", .type = KEY_CHOICE, AT(scene_image, map), .value = "\"viridis\"", CHOICES("viridis", "inferno", "coolwarm"),
+	 .doc = "colours; coolwarm is for signed fields"},
+	{.name = "range", .type = KEY_CUSTOM, AT(scene_image, range_auto), .value = "\"auto\"", .text = true, .read = read_range,
+	 .expected = "\"auto\" or [min, max]", .doc = "of the colours: auto (from the data of each image) or [min, max] in the unit shown"},
+	{.name = "unit", .type = KEY_STRING, AT(scene_image, unit), .count = SCENE_NAME, .absent = "the field's",
+	 .doc = "written at the colour bar"},
+	{.name = "every", .type = KEY_FLOAT, AT(scene_image, every), .unit = "s", .absent = "output.snapshot_every", .range = RANGE_POSITIVE,
+	 .doc = "between pictures"},
+	END};
+
+static const struct scene_key guards_keys[] = {
+	{.name = "energy_residual", .type = KEY_FLOAT, AT(scene_guards, energy_residual), .value = "0.1", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "share of the work done that may go astray before the run is stopped; 0 = off"},
+	{.name = "points_leaving", .type = KEY_BOOL, AT(scene_guards, points_leaving), .value = "true",
+	 .doc = "a point that leaves the grid stops the run"},
+	END};
+
+/* ---- the whole ---- */
+
+static const struct scene_key root_keys[] = {
+	{.name = "title", .type = KEY_STRING, AT(scene, title), .count = sizeof ((struct scene *)0)->title, .value = "\"\"",
+	 .doc = "shown in pictures and reports"},
+	{.name = "units", .type = KEY_GROUP, AT(scene, units), KEYS(units_keys), .doc = "everything else is in SI units"},
+	{.name = "grid", .type = KEY_GROUP, AT(scene, grid), KEYS(grid_keys), .required = true, .doc = "the background grid"},
+	{.name = "time", .type = KEY_GROUP, AT(scene, time), KEYS(time_keys), .required = true, .doc = "duration and steps"},
+	{.name = "mpm", .type = KEY_GROUP, AT(scene, mpm), KEYS(mpm_keys), .doc = "the material point method"},
+	{.name = "thermal", .type = KEY_GROUP, AT(scene, thermal), KEYS(thermal_keys), .doc = "heat"},
+	{.name = "gravity", .type = KEY_FLOATS, AT(scene, gravity), .count = 2, .unit = "m/s2", .value = "[0.0, 0.0]",
+	 .doc = "acceleration of gravity"},
+	{.name = "laws", LIST(scene, laws, n_laws), LAW_TABLES, .absent = "none: materials bring their own", .doc = "constitutive laws"},
+	{.name = "materials", LIST(scene, materials, n_materials), KEYS(material_keys), .required = true, .doc = "what bodies are made of"},
+	{.name = "bodies", LIST(scene, bodies, n_bodies), KEYS(body_keys), .required = true, .doc = "regions filled with points"},
+	{.name = "walls", LIST(scene, walls, n_walls), KEYS(wall_keys), .absent = "none", .doc = "rigid walls"},
+	{.name = "boundaries", LIST(scene, boundaries, n_boundaries), KEYS(boundary_keys), .absent = "none",
+	 .doc = "values imposed on nodes, heat fluxes"},
+	{.name = "stages", LIST(scene, stages, n_stages), KEYS(stage_keys), .absent = "one stage until time.end",
+	 .doc = "protocols: stages of one run, one after the other"},
+	{.name = "probes", LIST(scene, probes, n_probes), KEYS(probe_keys), .absent = "none", .doc = "points recorded in history.csv"},
+	{.name = "regions", LIST(scene, regions, n_regions), KEYS(region_keys), .absent = "none",
+	 .doc = "boxes whose mass, flow and mean temperature go to history.csv"},
+	{.name = "inspect", LIST(scene, inspect, n_inspect), KEYS(inspect_keys), .absent = "none",
+	 .doc = "RVEs written to files with their path, to be drawn"},
+	{.name = "output", .type = KEY_GROUP, AT(scene, output), KEYS(output_keys), .doc = "what is written, how often"},
+	{.name = "images", LIST(scene, images, n_images), KEYS(image_keys), .absent = "none", .doc = "pictures drawn during the run"},
+	{.name = "guards", .type = KEY_GROUP, AT(scene, guards), KEYS(guards_keys), .doc = "limits at which a run is stopped"},
+	END};
+
+const struct scene_table scene_root_tables[] = {{NULL, root_keys}, {NULL, NULL}};
+
+/* clang-format on */
+
+/* ---- looking things up ---- */
+
+const struct scene_key *keys_find(const struct scene_key *keys, const char *name)
+{
+	for (; keys->name; keys++)
+		if (!strcmp(keys->name, name))
+			return keys;
+	return NULL;
+}
+
+const struct scene_key *tables_choose(const struct scene_table *tables, const struct node *node)
+{
+	if (!tables || !tables->type)
+		return tables ? tables->keys : NULL;
+	const struct node *type = node_find(node, "type");
+	for (; type && type->type == NODE_STRING && tables->keys; tables++)
+		if (!strcmp(tables->type, type->string))
+			return tables->keys;
+	return NULL;
+}
+
+static void visit_keys(const struct scene_key *keys, const char *prefix,
+					   void (*visit)(void *data, const char *path, const struct scene_key *key), void *data)
+{
+	for (; keys->name; keys++) {
+		char path[PATH_LENGTH];
+		snprintf(path, sizeof path, "%s%s", prefix, keys->name);
+		visit(data, path, keys);
+		size_t used = strlen(path);
+		snprintf(path + used, sizeof path - used, keys->type == KEY_LIST ? ".[]." : ".");
+		for (const struct scene_table *t = keys->tables; t && t->keys; t++)
+			visit_keys(t->keys, path, visit, data);
+	}
+}
+
+void scene_keys_visit(void (*visit)(void *data, const char *path, const struct scene_key *key), void *data)
+{
+	visit_keys(root_keys, "", visit, data);
+}
+
+static void append(char *text, size_t size, const char *more)
+{
+	size_t used = strlen(text);
+	snprintf(text + used, size - used, "%s", more);
+}
+
+void scene_key_comment(const struct scene_key *key, char *text, size_t size)
+{
+	text[0] = '\0';
+	if (key->unit) {
+		append(text, size, "[");
+		append(text, size, key->unit);
+		append(text, size, "] ");
+	}
+	append(text, size, key->doc);
+	for (int k = 0; key->choices && key->choices[k]; k++) {
+		append(text, size, k ? ", \"" : "; one of \"");
+		append(text, size, key->choices[k]);
+		append(text, size, "\"");
+	}
+	append(text, size, key->required ? "; required" : key->value ? "; default " : key->absent ? "; if left out: " : "");
+	append(text, size, key->value ? key->value : key->absent && !key->required ? key->absent : "");
+}
+
+/* ---- suggestions ---- */
+
+static int minimum(int a, int b) { return a < b ? a : b; }
+
+int edit_distance(const char *a, const char *b)
+{
+	enum { LONGEST = 120 };
+	int la = (int)strlen(a), lb = (int)strlen(b), row[3][LONGEST + 1];
+	if (la > LONGEST || lb > LONGEST)
+		return la > lb ? la : lb;
+	for (int j = 0; j <= lb; j++)
+		row[0][j] = j;
+	for (int i = 1; i <= la; i++) {
+		int *now = row[i % 3], *up = row[(i + 2) % 3], *upper = row[(i + 1) % 3];
+		now[0] = i;
+		for (int j = 1; j <= lb; j++) {
+			now[j] = minimum(minimum(up[j], now[j - 1]) + 1, up[j - 1] + (a[i - 1] != b[j - 1]));
+			if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+				now[j] = minimum(now[j], upper[j - 2] + 1);
+		}
+	}
+	return row[la % 3][lb];
+}
+
+struct search {
+	char plain[PATH_LENGTH]; /* the path looked for, indices emptied */
+	const char *last;        /* its last component */
+	int best;
+	char *nearest;
+};
+
+static void consider(void *data, const char *path, const struct scene_key *key)
+{
+	struct search *search = data;
+	int distance = 2 * edit_distance(search->plain, path);
+	if (!strcmp(search->last, key->name)) /* the right word in the wrong place */
+		distance -= distance / 2;
+	if (distance < search->best) {
+		search->best = distance;
+		snprintf(search->nearest, PATH_LENGTH, "%s", path);
+	}
+}
+
+void scene_keys_nearest(const char *path, char *nearest)
+{
+	struct search search = {.best = 1 << 20, .nearest = nearest};
+	size_t n = 0;
+	for (const char *at = path; *at && n + 2 < sizeof search.plain; at++) {
+		search.plain[n++] = *at;
+		if (*at == '[')
+			while (at[1] && at[1] != ']')
+				at++;
+	}
+	search.plain[n] = '\0';
+	const char *dot = strrchr(search.plain, '.');
+	search.last = dot ? dot + 1 : search.plain;
+	nearest[0] = '\0';
+	scene_keys_visit(consider, &search);
+}
