@@ -86,6 +86,7 @@ struct driver {
 	double stress[4], conductivity[3], modulus;
 	double integral[3]; /* of the servo's relative errors: xx, yy, xy */
 	double F0[4];       /* inverse of F at the first row */
+	int reached;        /* iso: P has been reached */
 	rve_row_function *row;
 	void *context;
 	struct rve_drive_report *report;
@@ -110,15 +111,17 @@ static int advance(struct driver *d, const double L[4], double dT, double dt)
 	return rve_advance(d->model, &batch);
 }
 
-/* Is a stress that the servo holds more than 1% off? */
-static int off_pressure(const struct driver *d)
+/* Is a stress that the servo should hold more than 1% off?  Until iso has reached P it holds nothing. */
+static int off_pressure(struct driver *d)
 {
 	double p = d->drive->pressure, bound = 0.01 * p;
+	int xx = fabs(d->stress[0] + p) > bound, yy = fabs(d->stress[1] + p) > bound;
 	if (d->drive->load == RVE_LOAD_BIAXIAL)
-		return fabs(d->stress[0] + p) > bound;
-	if (d->drive->load == RVE_LOAD_ISO)
-		return fabs(d->stress[0] + p) > bound || fabs(d->stress[1] + p) > bound;
-	return 0;
+		return xx;
+	if (d->drive->load != RVE_LOAD_ISO)
+		return 0;
+	d->reached |= !xx && !yy;
+	return d->reached && (xx || yy);
 }
 
 static int give_row(struct driver *d)
@@ -239,7 +242,7 @@ static void load_gradient(struct driver *d, double L[4], int wait)
 	}
 }
 
-/* Strains by `steps` sub-steps of the load, in calls of one if a servo must see the stress of each. */
+/* `steps` sub-steps of the load, in calls of one if a servo must see the stress of each. */
 static int strain_by(struct driver *d, long steps)
 {
 	const int waits_most = 1000; /* a packing that cannot carry P at all goes on without it */
@@ -251,24 +254,28 @@ static int strain_by(struct driver *d, long steps)
 			break;
 		long n = wait ? 1 : steps < most ? steps : most;
 		load_gradient(d, L, wait);
-		/* a hair less than n sub-steps' strain: rve_advance() rounds their number up */
-		CHECK(advance(d, L, 0.0, (double)n * d->dt * (1.0 - 1e-9)));
+		CHECK(advance(d, L, 0.0, (double)n * d->dt));
 		steps -= wait ? 0 : n;
 		waits += wait;
 	}
 	return STATUS_OK;
 }
 
+/* Rows stand at equal strains, so that the sub-steps between two of them are a whole number and a hair smaller. */
 static int run_load(struct driver *d)
 {
-	long total = lround(ceil(d->drive->strain / d->strain_per_step * (1.0 - 1e-12)));
-	long rows = d->drive->rows < total ? d->drive->rows : total, done = 0;
-	for (long r = 1; r <= rows; r++) {
-		long until = (long)((double)total * (double)r / (double)rows + 0.5);
-		CHECK(strain_by(d, until - done));
+	double strain = d->drive->strain, most = ceil(strain / d->strain_per_step * (1.0 - 1e-9));
+	if (most == 0.0)
+		return STATUS_OK;
+	int rows = d->drive->rows < most ? d->drive->rows : (int)most;
+	long steps = lround(ceil(strain / rows / d->strain_per_step * (1.0 - 1e-9)));
+	d->dt = strain / rows / (double)steps / d->drive->rate;
+	for (int r = 1; r <= rows; r++) {
+		CHECK(strain_by(d, steps));
 		CHECK(give_row(d));
-		done = until;
 	}
+	if (d->drive->load == RVE_LOAD_ISO && !d->reached)
+		d->report->rows_off_pressure = d->report->rows;
 	return STATUS_OK;
 }
 
@@ -328,8 +335,9 @@ static int set_stepping(struct driver *d, const struct rve_packing *packing, str
 	d->strain_per_step = fmin(drive->rate * rve_time_step(model), drive->strain_per_step);
 	d->dt = d->strain_per_step / drive->rate;
 	rve_model_free(model);
-	/* the kernel counts the largest eigenvalue of D, which is R/2 in simple shear */
-	params->strain_per_step = drive->load == RVE_LOAD_SHEAR ? 0.5 * d->strain_per_step : d->strain_per_step;
+	/* the largest eigenvalue of D counts, which is R/2 in simple shear; rve_advance() rounds sub-steps up, so a hair
+	 * more */
+	params->strain_per_step = d->strain_per_step * (drive->load == RVE_LOAD_SHEAR ? 0.5 : 1.0) * (1.0 + 1e-9);
 	return STATUS_OK;
 }
 

@@ -319,6 +319,7 @@ static void small_strain(void **state)
 int main(void)
 {
 	omp_set_num_threads(1); /* one RVE at a time */
+	setenv("XDG_CACHE_HOME", BUILD_DIR "/test-cache", 0);
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(void_ratios),   cmocka_unit_test(conductivity),  cmocka_unit_test(small_strain),
 		cmocka_unit_test(biaxial_dense), cmocka_unit_test(biaxial_loose), cmocka_unit_test(simple_shear),
