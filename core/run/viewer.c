@@ -330,6 +330,8 @@ static enum answer message_take(struct viewer *viewer, int ms)
 		return ANSWER_NONE;
 	struct frame_message message;
 	ssize_t n = recv(viewer->socket, &message, sizeof message, MSG_DONTWAIT);
+	if (n < 0 && errno == ECONNRESET) /* it died with our messages unread; its own last words come after this */
+		n = recv(viewer->socket, &message, sizeof message, MSG_DONTWAIT);
 	if (n == (ssize_t)sizeof message) {
 		message_handle(viewer, &message);
 		return ANSWER;

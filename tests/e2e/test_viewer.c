@@ -360,6 +360,7 @@ static void test_what_is_missing_is_named(void **state)
 {
 	(void)state;
 	struct viewer *viewer;
+	char *program = strdup(viewer_program());
 	setenv("TMDEMPM_VIEWER", "/no/such/viewer", 1);
 	assert_int_equal(viewer_start(&viewer, N_IMAGES, images, NULL), STATUS_RESOURCE);
 	assert_non_null(strstr(error_message(), "install paraview-dev"));
@@ -367,7 +368,8 @@ static void test_what_is_missing_is_named(void **state)
 	assert_int_equal(viewer_start(&viewer, N_IMAGES, images, NULL), STATUS_RESOURCE);
 	assert_non_null(strstr(error_message(), "exit code 1"));
 	assert_null(viewer);
-	unsetenv("TMDEMPM_VIEWER");
+	setenv("TMDEMPM_VIEWER", program, 1);
+	free(program);
 
 	char *path = strdup(getenv("PATH"));
 	unsetenv("DISPLAY");
@@ -376,7 +378,8 @@ static void test_what_is_missing_is_named(void **state)
 	setenv("PATH", path, 1);
 	free(path);
 	assert_int_equal(status, STATUS_RESOURCE);
-	assert_non_null(strstr(error_message(), "install xvfb"));
+	if (!strstr(error_message(), "install xvfb"))
+		fail_msg("%s", error_message());
 }
 
 int main(void)
