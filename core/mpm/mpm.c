@@ -2,7 +2,7 @@
 #include "mpm/mpm.h"
 
 #include <math.h>
-#include <omp.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -10,8 +10,6 @@
 #include "base/error.h"
 #include "base/mat2.h"
 #include "mpm/mpm_private.h"
-
-enum { SERIAL_POINTS = 4096 }; /* below: see step_motion_threads() */
 
 static long long now_ns(void)
 {
@@ -57,16 +55,17 @@ static int advance_laws(struct mpm *mpm)
 static void collect_heat(struct mpm *mpm)
 {
 	struct particles *p = &mpm->p;
-#pragma omp parallel for schedule(static) if (p->n >= SERIAL_POINTS)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int k = 0; k < p->n; k++)
 		p->heat_pending[k] += p->heat[k] * mat2_determinant(p->F[k]) * p->volume0[k] * mpm->dt;
 }
 
 /* ---- one step ---- */
 
-/* Everything but the law: weights, to grid, forces, heat, integrate, walls, to points. */
-static int step_motion(struct mpm *mpm)
+int mpm_step(struct mpm *mpm)
 {
+	struct mpm_work *w = mpm_work(mpm);
+	long long start = now_ns();
 	CHECK(guard_residual(mpm));
 	stage_begin_step(mpm);
 	walls_update(mpm);
@@ -80,7 +79,7 @@ static int step_motion(struct mpm *mpm)
 	CHECK(guard_step(mpm, STATUS_GUARD));
 	mpm_integrate_nodes(mpm);
 	mpm_finish_nodes(mpm);
-	if (mpm_work(mpm)->thermal_dt > 0.0)
+	if (w->thermal_dt > 0.0)
 		mpm_heat_nodes(mpm);
 	mpm_grid_to_points(mpm);
 
@@ -88,25 +87,7 @@ static int step_motion(struct mpm *mpm)
 	walls_move(mpm);
 	mpm->step++;
 	mpm->time = (double)mpm->step * mpm->dt;
-	return guard_points(mpm);
-}
-
-/* A pass over a few thousand points takes less time than waking threads for it, and on a machine whose cores
- * have other work (a viewer's) every such pass would wait for the slowest core.  The bits are the same. */
-static int step_motion_threads(struct mpm *mpm)
-{
-	int threads = omp_get_max_threads();
-	if (mpm->p.n < SERIAL_POINTS)
-		omp_set_num_threads(1);
-	int status = step_motion(mpm);
-	omp_set_num_threads(threads);
-	return status;
-}
-
-int mpm_step(struct mpm *mpm)
-{
-	long long start = now_ns();
-	CHECK(step_motion_threads(mpm));
+	CHECK(guard_points(mpm));
 	long long law_start = now_ns();
 	CHECK(advance_laws(mpm));
 	long long law_end = now_ns();
@@ -220,9 +201,10 @@ static int create_laws(struct mpm *mpm, int n, const struct birth *births)
 	const struct scene *scene = mpm->scene;
 	mpm->laws = calloc((size_t)scene->n_laws + 1, sizeof *mpm->laws);
 	w->law_start = calloc((size_t)scene->n_laws + 2, sizeof *w->law_start);
+	w->law_names = calloc((size_t)scene->n_laws + 1, sizeof *w->law_names);
 	w->law_of_scene = malloc(((size_t)scene->n_laws + 1) * sizeof *w->law_of_scene);
 	int *variant = malloc(((size_t)n + 1) * sizeof *variant);
-	int status = mpm->laws && w->law_start && w->law_of_scene && variant
+	int status = mpm->laws && w->law_start && w->law_names && w->law_of_scene && variant
 					 ? STATUS_OK
 					 : error_set(STATUS_RESOURCE, "out of memory for laws");
 	for (int s = 0; s < scene->n_laws && status == STATUS_OK; s++) {
@@ -234,12 +216,11 @@ static int create_laws(struct mpm *mpm, int n, const struct birth *births)
 		if (count == 0)
 			continue;
 		status = law_create(&mpm->laws[mpm->n_laws], &scene->laws[s], count, variant);
-		if (status == STATUS_OK)
-			mpm->n_laws++, w->law_start[mpm->n_laws] = w->law_start[mpm->n_laws - 1] + count;
-		else
-			error_context(status, "%s:%d: law '%s'",
-						  scene->laws[s].place.file ? scene->laws[s].place.file : scene->path,
-						  scene->laws[s].place.line, scene->laws[s].name);
+		if (status != STATUS_OK)
+			break;
+		snprintf(w->law_names[mpm->n_laws], sizeof *w->law_names, "laws/%s", scene->laws[s].name);
+		mpm->n_laws++;
+		w->law_start[mpm->n_laws] = w->law_start[mpm->n_laws - 1] + count;
 	}
 	free(variant);
 	return status;
@@ -422,9 +403,9 @@ void mpm_free(struct mpm *mpm)
 	if (w) {
 		walls_free(mpm);
 		boundaries_free(mpm);
-		void *private[] = {w->half,       w->law_start,   w->law_of_scene, w->conductivity, w->cell,        w->order,
-						   w->cell_first, w->row_low,     w->row_high,     w->scratch,      w->permutation, w->sums,
-						   w->confining,  w->stripe_sums, w->block_sums,   w->row_sums,     w->heat_sums};
+		void *private[] = {w->half,  w->law_start,  w->law_names,   w->law_of_scene, w->conductivity, w->cell,
+						   w->order, w->cell_first, w->row_low,     w->row_high,     w->scratch,      w->permutation,
+						   w->sums,  w->confining,  w->stripe_sums, w->block_sums,   w->row_sums,     w->heat_sums};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);
@@ -471,7 +452,7 @@ int mpm_state(struct mpm *mpm, struct mpm_state_array *arrays)
 	size_t walls = (size_t)mpm->scene->n_walls;
 	int n = particles_state(&mpm->p, arrays, 0);
 	for (int l = 0; l < mpm->n_laws; l++)
-		n = add_array(arrays, n, mpm->laws[l]->name, mpm->laws[l]->states, 'b',
+		n = add_array(arrays, n, w->law_names[l], mpm->laws[l]->states, 'b',
 					  (size_t)mpm->laws[l]->n_points * mpm->laws[l]->state_bytes);
 	n = add_array(arrays, n, "mpm/step", &mpm->step, 'q', 1);
 	n = add_array(arrays, n, "mpm/time", &mpm->time, 'd', 1);
