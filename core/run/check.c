@@ -120,7 +120,9 @@ int run_check(const char *scene_path, int n_sets, const char *const *sets, int t
 	if (threads > 0)
 		omp_set_num_threads(threads);
 	CHECK(scene_load(&scene, scene_path, n_sets, sets, stderr));
-	int status = mpm_create(&mpm, scene);
+	int status = images_check(scene, stderr);
+	if (status == STATUS_OK)
+		status = mpm_create(&mpm, scene);
 	if (status == STATUS_OK) {
 		printf("scene      %s%s%s\n", scene_path, scene->title[0] ? ": " : "", scene->title);
 		check_passes(mpm);

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 
-TMDEMPM = os.environ["TMDEMPM"]
+TMDEMPM = os.path.abspath(os.environ["TMDEMPM"])
 
 GOOD = """\
 units = { temperature = "C"; };
@@ -65,6 +65,10 @@ WRONG = [
     ("material = [0.25, 0.25]", "material = [0.75, 0.25]", r"is \(0\.75, 0\.25\), in no body, expected a place in one"),
     ("images = ( );", 'images = ( { name = "T"; field = "temperature"; range = [30.0, 10.0]; } );',
      r"range is \[30, 10\], expected min < max"),
+    ("images = ( );", 'images = ( { name = "T"; field = "temprature"; } );',
+     r'field is "temprature", expected one of velocity, .*temperature'),
+    ("images = ( );", 'images = ( { name = "T"; field = "temperature"; component = "xy"; } );',
+     r"component is no component of the scalar temperature, expected magnitude"),
     ("cell = 0.1;", "cell = 0.1; cell = 0.2;", r"'cell' is defined twice, expected once"),
     ("friction = 0.5;", "friction = 99999999999999999999;", r"does not fit 64 bits, expected"),
     ('units = { temperature = "C"; };', '@include "units.cfg"', r"cannot read '.*units\.cfg' .*, expected a scene file"),
