@@ -18,7 +18,7 @@ const struct field rve_columns[RVE_COLUMNS] = {
 	[RVE_VOID_RATIO] = {"void_ratio", "-", 1, "voids over solids, by area"},
 	[RVE_COORDINATION] = {"coordination", "-", 1, "contacts of a disc, mean"},
 	[RVE_SLIDING_FRACTION] = {"sliding_fraction", "-", 1, "contacts at the Coulomb limit"},
-	[RVE_WORK] = {"work", "J", 1, "of the stress on the strain"},
+	[RVE_WORK] = {"work", "J", 1, "of the stress on the strain, and what was stored at the first row"},
 	[RVE_FRICTION_HEAT] = {"friction_heat", "J", 1, "slip at contacts"},
 	[RVE_DASHPOT] = {"dashpot", "J", 1, "lost in normal dashpots"},
 	[RVE_BOND] = {"bond", "J", 1, "lost with broken bonds"},
@@ -86,6 +86,7 @@ struct driver {
 	double stress[4], conductivity[3], modulus;
 	double integral[3]; /* of the servo's relative errors: xx, yy, xy */
 	double F0[4];       /* inverse of F at the first row */
+	int reached;        /* iso: P has been reached */
 	rve_row_function *row;
 	void *context;
 	struct rve_drive_report *report;
@@ -110,15 +111,17 @@ static int advance(struct driver *d, const double L[4], double dT, double dt)
 	return rve_advance(d->model, &batch);
 }
 
-/* Is a stress that the servo holds more than 1% off? */
-static int off_pressure(const struct driver *d)
+/* Is a stress that the servo should hold more than 1% off?  Until iso has reached P it holds nothing. */
+static int off_pressure(struct driver *d)
 {
 	double p = d->drive->pressure, bound = 0.01 * p;
+	int xx = fabs(d->stress[0] + p) > bound, yy = fabs(d->stress[1] + p) > bound;
 	if (d->drive->load == RVE_LOAD_BIAXIAL)
-		return fabs(d->stress[0] + p) > bound;
-	if (d->drive->load == RVE_LOAD_ISO)
-		return fabs(d->stress[0] + p) > bound || fabs(d->stress[1] + p) > bound;
-	return 0;
+		return xx;
+	if (d->drive->load != RVE_LOAD_ISO)
+		return 0;
+	d->reached |= !xx && !yy;
+	return d->reached && (xx || yy);
 }
 
 static int give_row(struct driver *d)
@@ -155,10 +158,11 @@ static int give_row(struct driver *d)
 /* ---- servo ---- */
 
 /* Strain of the next sub-step that brings a stress to its target: proportional and integral, scaled by the
- * affine modulus, which is the stiffest answer that the RVE can give; no larger than `limit`. */
+ * affine modulus, which is the stiffest answer that the springs can give, and no larger than `limit`.  Dashpots answer
+ * a change of rate with about as much again: a proportional share above 0.55 would oscillate. */
 static double servo(struct driver *d, int component, double error, double limit)
 {
-	const double proportional = 0.05, integral = 0.002;
+	const double proportional = 0.35, integral = 0.05;
 	double floor = 1e-3 * d->drive->pressure / limit; /* a stressless RVE has no modulus of its own */
 	double e = error / fmax(d->modulus, floor), sum = d->integral[component] + integral * e;
 	double strain = proportional * e + sum;
@@ -209,7 +213,13 @@ static int consolidate(struct driver *d)
 
 /* ---- loads ---- */
 
-static void load_gradient(struct driver *d, double L[4])
+/* Contacts that rearrange can shed stress faster than a servo follows: the shortening waits until it is back. */
+static int waiting(const struct driver *d)
+{
+	return d->drive->load == RVE_LOAD_BIAXIAL && fabs(d->stress[0] + d->drive->pressure) > 0.007 * d->drive->pressure;
+}
+
+static void load_gradient(struct driver *d, double L[4], int wait)
 {
 	double R = d->drive->rate;
 	memset(L, 0, 4 * sizeof *L);
@@ -219,7 +229,7 @@ static void load_gradient(struct driver *d, double L[4])
 		break;
 	case RVE_LOAD_BIAXIAL:
 		L[0] = servo(d, 0, d->stress[0] + d->drive->pressure, 10.0 * d->strain_per_step) / d->dt;
-		L[3] = -R;
+		L[3] = wait ? 0.0 : -R;
 		break;
 	case RVE_LOAD_SHEAR:
 		L[1] = R;
@@ -232,29 +242,40 @@ static void load_gradient(struct driver *d, double L[4])
 	}
 }
 
-/* Sub-steps in one call: a servo must see the stress of each; the others save calls. */
-static int sub_steps_per_call(const struct rve_drive *drive)
+/* `steps` sub-steps of the load, in calls of one if a servo must see the stress of each. */
+static int strain_by(struct driver *d, long steps)
 {
-	return drive->load == RVE_LOAD_BIAXIAL || drive->load == RVE_LOAD_ISO ? 1 : 16;
+	const int waits_most = 1000; /* a packing that cannot carry P at all goes on without it */
+	const long most = d->drive->load == RVE_LOAD_BIAXIAL || d->drive->load == RVE_LOAD_ISO ? 1 : 16;
+	for (int waits = 0; steps > 0 || waiting(d);) {
+		double L[4];
+		int wait = waiting(d) && waits < waits_most;
+		if (steps == 0 && !wait)
+			break;
+		long n = wait ? 1 : steps < most ? steps : most;
+		load_gradient(d, L, wait);
+		CHECK(advance(d, L, 0.0, (double)n * d->dt));
+		steps -= wait ? 0 : n;
+		waits += wait;
+	}
+	return STATUS_OK;
 }
 
+/* Rows stand at equal strains, so that the sub-steps between two of them are a whole number and a hair smaller. */
 static int run_load(struct driver *d)
 {
-	long total = lround(ceil(d->drive->strain / d->strain_per_step * (1.0 - 1e-12)));
-	long rows = d->drive->rows < total ? d->drive->rows : total, done = 0;
-	int most = sub_steps_per_call(d->drive);
-	for (long r = 1; r <= rows; r++) {
-		long until = (long)((double)total * (double)r / (double)rows + 0.5);
-		while (done < until) {
-			double L[4];
-			long n = until - done < most ? until - done : most;
-			load_gradient(d, L);
-			/* a hair less than n sub-steps' strain: rve_advance() rounds their number up */
-			CHECK(advance(d, L, 0.0, (double)n * d->dt * (1.0 - 1e-9)));
-			done += n;
-		}
+	double strain = d->drive->strain, most = ceil(strain / d->strain_per_step * (1.0 - 1e-9));
+	if (most == 0.0)
+		return STATUS_OK;
+	int rows = d->drive->rows < most ? d->drive->rows : (int)most;
+	long steps = lround(ceil(strain / rows / d->strain_per_step * (1.0 - 1e-9)));
+	d->dt = strain / rows / (double)steps / d->drive->rate;
+	for (int r = 1; r <= rows; r++) {
+		CHECK(strain_by(d, steps));
 		CHECK(give_row(d));
 	}
+	if (d->drive->load == RVE_LOAD_ISO && !d->reached)
+		d->report->rows_off_pressure = d->report->rows;
 	return STATUS_OK;
 }
 
@@ -314,8 +335,9 @@ static int set_stepping(struct driver *d, const struct rve_packing *packing, str
 	d->strain_per_step = fmin(drive->rate * rve_time_step(model), drive->strain_per_step);
 	d->dt = d->strain_per_step / drive->rate;
 	rve_model_free(model);
-	/* the kernel counts the largest eigenvalue of D, which is R/2 in simple shear */
-	params->strain_per_step = drive->load == RVE_LOAD_SHEAR ? 0.5 * d->strain_per_step : d->strain_per_step;
+	/* the largest eigenvalue of D counts, which is R/2 in simple shear; rve_advance() rounds sub-steps up, so a hair
+	 * more */
+	params->strain_per_step = d->strain_per_step * (drive->load == RVE_LOAD_SHEAR ? 0.5 : 1.0) * (1.0 + 1e-9);
 	return STATUS_OK;
 }
 

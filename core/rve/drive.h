@@ -9,7 +9,7 @@
 
 enum rve_load {
 	RVE_LOAD_ISOCHORIC, /* L = diag(R, -R) */
-	RVE_LOAD_BIAXIAL,   /* y is shortened at R, a servo holds sigma_xx at -P, L_xy = 0 */
+	RVE_LOAD_BIAXIAL,   /* y is shortened at R, a servo holds sigma_xx at -P (the shortening waits for it), L_xy = 0 */
 	RVE_LOAD_SHEAR,     /* L_12 = R at constant volume */
 	RVE_LOAD_ISO,       /* a servo (no faster than R) brings and holds sigma at -P I */
 	RVE_LOAD_PATH       /* rows of duration, L11, L12, L21, L22, dT */
