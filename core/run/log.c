@@ -18,10 +18,7 @@ double clock_seconds(void)
 
 double log_elapsed(const struct run_log *log) { return clock_seconds() - log->start; }
 
-void log_start(struct run_log *log, bool quiet)
-{
-	*log = (struct run_log){.quiet = quiet, .start = clock_seconds()};
-}
+void log_start(struct run_log *log, bool quiet) { *log = (struct run_log){.quiet = quiet, .start = clock_seconds()}; }
 
 int log_open(struct run_log *log, const char *path)
 {

@@ -1,9 +1,9 @@
 /* HDF5 files: what is written comes back, equal contents are equal bytes, failures say why. */
+#include <cmocka.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <cmocka.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,10 @@
 
 static char folder[FILE_PATH];
 
-static void path_of(char path[FILE_PATH], const char *name) { assert_int_equal(file_join(path, folder, name), STATUS_OK); }
+static void path_of(char path[FILE_PATH], const char *name)
+{
+	assert_int_equal(file_join(path, folder, name), STATUS_OK);
+}
 
 static void write_sample(const char *path)
 {
@@ -125,9 +128,8 @@ int main(void)
 {
 	char template[] = "/tmp/tmdempm_h5_XXXXXX";
 	snprintf(folder, sizeof folder, "%s", mkdtemp(template));
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(comes_back), cmocka_unit_test(same_contents_same_bytes),
-		cmocka_unit_test(failures_say_why), cmocka_unit_test(links_show_other_files)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(comes_back), cmocka_unit_test(same_contents_same_bytes),
+									   cmocka_unit_test(failures_say_why), cmocka_unit_test(links_show_other_files)};
 	int failed = cmocka_run_group_tests(tests, NULL, NULL);
 	const char *const names[] = {"a.h5", "b.h5", "run.h5", "text.h5"};
 	for (int i = 0; i < 4; i++) {
