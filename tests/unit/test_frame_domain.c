@@ -1,10 +1,11 @@
 /* The quads that stand for points: true for moderate deformation, readable for any. */
-#include <cmocka.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#include <cmocka.h>
 
 #include "run/frame_build.h"
 

@@ -1,9 +1,10 @@
 /* HDF5 files: what is written comes back, equal contents are equal bytes, failures say why. */
-#include <cmocka.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#include <cmocka.h>
 
 #include <stdlib.h>
 #include <string.h>
