@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -93,7 +94,10 @@ void log_progress(struct run_log *log, const char *text)
 	if (log->quiet)
 		return;
 	if (isatty(STDERR_FILENO)) {
-		fprintf(stderr, "\r%s\033[K", text);
+		struct winsize window;
+		bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 1;
+		/* a line that wraps could not be rewritten */
+		fprintf(stderr, "\r%.*s\033[K", known ? window.ws_col - 1 : 79, text);
 		log->line_open = true;
 	} else {
 		fprintf(stderr, "%s\n", text);

@@ -51,7 +51,7 @@ static int progress_temperature(const struct mpm *mpm, char *text, size_t size)
 		low = fmin(low, mpm->p.T[p]);
 		high = fmax(high, mpm->p.T[p]);
 	}
-	return snprintf(text, size, ", T %.5g .. %.5g %s", scene_temperature_out(mpm->scene, low),
+	return snprintf(text, size, ", T %.6g .. %.6g %s", scene_temperature_out(mpm->scene, low),
 					scene_temperature_out(mpm->scene, high), scene_temperature_unit(mpm->scene));
 }
 
