@@ -1,9 +1,243 @@
+/* The command line. */
+#include <getopt.h>
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include "base/error.h"
+#include "io/h5.h"
+#include "run/bench.h"
+#include "run/run.h"
+#include "rve/cli.h"
 #include "version.h"
 
-int main(void)
+enum { SETS_MOST = 256 };
+
+static const char help[] =
+	"tmdempm " TMDEMPM_VERSION ": material points with a discrete RVE behind each\n"
+	"\n"
+	"  tmdempm run SCENE.cfg [--out DIR] [--force] [--set path=value]... [--threads N] [--device cpu]\n"
+	"                        [--restart FILE [--allow-path-change]] [--until T] [--quiet]\n"
+	"      runs a scene; its output goes to DIR (default: SCENE.out here); a DIR that is not empty is refused,\n"
+	"      --force moves it aside; --restart continues a checkpoint in its own folder, bit for bit\n"
+	"  tmdempm check SCENE.cfg [--set path=value]... [--threads N]\n"
+	"      validates a scene and says what its run will be; writes nothing\n"
+	"  tmdempm info [--json]\n"
+	"      what is built in, what is missing and how to get it\n"
+	"  tmdempm rve pack|load|info ...\n"
+	"      makes packings, loads one RVE alone (tmdempm rve --help)\n"
+	"  tmdempm bench rve|mpm|image [--json]\n"
+	"      measures this machine\n"
+	"  tmdempm --help | --version\n"
+	"\n"
+	"Lists are addressed by index: --set 'walls.[2].friction=0.3'.\n"
+	"SIGINT and SIGTERM finish the step, save and leave; SIGUSR1 saves a checkpoint and goes on.\n"
+	"Exit codes: 0 done, 2 bad usage or input, 3 stopped by a stability guard (checkpoint saved),\n"
+	"4 resource or I/O error, 130 interrupted (checkpoint saved).\n";
+
+static int usage(const char *format, const char *what)
 {
-	printf("tmdempm %s\n", TMDEMPM_VERSION);
-	return 0;
+	char text[512];
+	snprintf(text, sizeof text, format, what);
+	return error_set(STATUS_INPUT, "%s (see tmdempm --help)", text);
+}
+
+/* getopt_long() has met an option that it does not know, or one without its argument. */
+static int usage_option(const char *command, int result, char *const *argv)
+{
+	char text[512];
+	const char *word = optopt && result == '?' && optopt < 256 ? NULL : argv[optind - 1];
+	if (word)
+		snprintf(text, sizeof text, "%s: %s `%.200s`", command, result == ':' ? "an argument is missing after" : "unknown option", word);
+	else
+		snprintf(text, sizeof text, "%s: unknown option `-%c`", command, optopt);
+	return usage("%s", text);
+}
+
+static int parse_threads(int *threads, const char *text)
+{
+	char *end;
+	long n = strtol(text, &end, 10);
+	if (*end || end == text || n < 1 || n > 4096)
+		return usage("--threads %s: expected a whole number, 1 .. 4096", text);
+	*threads = (int)n;
+	return STATUS_OK;
+}
+
+static int parse_time(double *time, const char *text)
+{
+	char *end;
+	*time = strtod(text, &end);
+	if (*end || end == text || !isfinite(*time) || *time < 0)
+		return usage("--until %s: expected a time in seconds, at least 0", text);
+	return STATUS_OK;
+}
+
+static int parse_set(const char **sets, int *n, const char *text)
+{
+	if (!strchr(text, '=') || text[0] == '=')
+		return usage("--set %s: expected path=value", text);
+	if (*n == SETS_MOST)
+		return usage("%s", "too many --set options");
+	sets[(*n)++] = text;
+	return STATUS_OK;
+}
+
+static int parse_device(const char *text)
+{
+	if (!strcmp(text, "cpu"))
+		return STATUS_OK;
+	if (!strcmp(text, "cuda") || !strcmp(text, "opencl"))
+		return error_set(STATUS_INPUT, "--device %s: this release computes on the CPU only; leave the option out or say --device cpu",
+		                 text);
+	return usage("--device %s: expected cpu", text);
+}
+
+static int take_scene(const char *command, int argc, char **argv, const char **scene)
+{
+	if (optind == argc)
+		return error_set(STATUS_INPUT, "%s: which scene? expected tmdempm %s SCENE.cfg", command, command);
+	if (optind + 1 < argc)
+		return usage("one scene at a time: `%s` is too much", argv[optind + 1]);
+	*scene = argv[optind];
+	return STATUS_OK;
+}
+
+static int command_run(int argc, char **argv)
+{
+	static const struct option long_options[] = {
+		{"out", required_argument, NULL, 'o'},     {"force", no_argument, NULL, 'f'},
+		{"set", required_argument, NULL, 's'},     {"threads", required_argument, NULL, 't'},
+		{"device", required_argument, NULL, 'd'},  {"restart", required_argument, NULL, 'r'},
+		{"until", required_argument, NULL, 'u'},   {"quiet", no_argument, NULL, 'q'},
+		{"help", no_argument, NULL, 'h'},          {"allow-path-change", no_argument, NULL, 'p'},
+		{NULL, 0, NULL, 0}};
+	const char *sets[SETS_MOST];
+	struct run_options options = {.sets = sets, .until = NAN, .device = "cpu"};
+	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
+		switch (c) {
+		case 'o':
+			options.out = optarg;
+			break;
+		case 'f':
+			options.force = true;
+			break;
+		case 's':
+			CHECK(parse_set(sets, &options.n_sets, optarg));
+			break;
+		case 't':
+			CHECK(parse_threads(&options.threads, optarg));
+			break;
+		case 'd':
+			CHECK(parse_device(optarg));
+			break;
+		case 'r':
+			options.restart = optarg;
+			break;
+		case 'u':
+			CHECK(parse_time(&options.until, optarg));
+			break;
+		case 'q':
+			options.quiet = true;
+			break;
+		case 'p':
+			options.allow_path_change = true;
+			break;
+		case 'h':
+			fputs(help, stdout);
+			return STATUS_OK;
+		default:
+			return usage_option("run", c, argv);
+		}
+	}
+	CHECK(take_scene("run", argc, argv, &options.scene_path));
+	return run_scene(&options);
+}
+
+static int command_check(int argc, char **argv)
+{
+	static const struct option long_options[] = {{"set", required_argument, NULL, 's'},
+	                                             {"threads", required_argument, NULL, 't'},
+	                                             {"help", no_argument, NULL, 'h'},
+	                                             {NULL, 0, NULL, 0}};
+	const char *sets[SETS_MOST], *scene = NULL;
+	int n_sets = 0, threads = 0;
+	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
+		if (c == 's')
+			CHECK(parse_set(sets, &n_sets, optarg));
+		else if (c == 't')
+			CHECK(parse_threads(&threads, optarg));
+		else if (c == 'h')
+			return fputs(help, stdout), STATUS_OK;
+		else
+			return usage_option("check", c, argv);
+	}
+	CHECK(take_scene("check", argc, argv, &scene));
+	return run_check(scene, n_sets, sets, threads);
+}
+
+/* Commands whose only option is --json; *word is their one argument, or NULL. */
+static int parse_json(int argc, char **argv, const char *command, bool *json, bool *helped)
+{
+	static const struct option long_options[] = {{"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+	*json = *helped = false;
+	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
+		if (c == 'j')
+			*json = true;
+		else if (c == 'h')
+			*helped = true;
+		else
+			return usage_option(command, c, argv);
+	}
+	if (*helped)
+		fputs(help, stdout);
+	return STATUS_OK;
+}
+
+static int command_info(int argc, char **argv)
+{
+	bool json, helped;
+	CHECK(parse_json(argc, argv, "info", &json, &helped));
+	if (optind < argc)
+		return usage("info: `%s` is too much", argv[optind]);
+	return helped ? STATUS_OK : run_info(json);
+}
+
+static int command_bench(int argc, char **argv)
+{
+	bool json, helped;
+	CHECK(parse_json(argc, argv, "bench", &json, &helped));
+	if (helped)
+		return STATUS_OK;
+	const char *what = optind + 1 == argc ? argv[optind] : "";
+	if (!strcmp(what, "rve"))
+		return bench_rve(json);
+	if (!strcmp(what, "image"))
+		return bench_image(json);
+	return usage("%s", "bench: expected one of rve, mpm, image");
+}
+
+int main(int argc, char **argv)
+{
+	static const struct {
+		const char *name;
+		int (*command)(int argc, char **argv);
+	} commands[] = {{"run", command_run}, {"check", command_check}, {"info", command_info}, {"bench", command_bench}};
+	h5_start();
+	const char *name = argc > 1 ? argv[1] : "";
+	if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help"))
+		return fputs(help, stdout), STATUS_OK;
+	if (!strcmp(name, "--version"))
+		return printf("tmdempm %s\n", TMDEMPM_VERSION), STATUS_OK;
+	if (!strcmp(name, "rve"))
+		return cli_rve(argc - 1, argv + 1);
+	int status = *name ? usage("`%s` is no command: expected run, check, info, rve or bench", name)
+	                   : usage("%s", "which command? expected run, check, info, rve or bench");
+	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+		if (!strcmp(name, commands[i].name))
+			status = commands[i].command(argc - 1, argv + 1);
+	if (status != STATUS_OK && error_message()[0])
+		fprintf(stderr, "tmdempm: %s\n", error_message());
+	return status;
 }

@@ -21,7 +21,7 @@ constexpr rgb compression = {0.10, 0.10, 0.12};
 constexpr rgb tension = {0.12, 0.47, 0.85};
 constexpr rgb sliding = {0.90, 0.33, 0.05};
 constexpr rgb bond = {1.00, 1.00, 1.00};
-constexpr rgb broken = {0.80, 0.10, 0.25};
+constexpr rgb broken = {0.93, 0.25, 0.75};
 constexpr rgb cell = {0.85, 0.00, 0.35};
 } // namespace ink
 

@@ -62,6 +62,18 @@ std::string read_number(int fd)
 	}
 	return "";
 }
+
+// Waits for a child's end, up to `ticks` of 0.1 s; then `pid` is 0.  True if there is no such child any more.
+bool ended(int &pid, int ticks, int &status)
+{
+	for (; pid > 0 && waitpid(pid, &status, WNOHANG) == 0; ticks--) {
+		if (ticks <= 0)
+			return false;
+		poll(nullptr, 0, 100);
+	}
+	pid = 0;
+	return true;
+}
 } // namespace
 
 bool display::open(std::string &log, std::string &error)
@@ -88,10 +100,7 @@ bool display::open(std::string &log, std::string &error)
 		}
 	}
 	int status = 0;
-	bool absent =
-		xvfb > 0 && waitpid(xvfb, &status, WNOHANG) == xvfb && WIFEXITED(status) && WEXITSTATUS(status) == 127;
-	if (absent)
-		xvfb = 0;
+	bool absent = xvfb > 0 && ended(xvfb, 20, status) && WIFEXITED(status) && WEXITSTATUS(status) == 127;
 	error = absent
 				? "pictures need an X server: install xvfb (apt-get install xvfb), or set DISPLAY"
 				: "there is no usable display, and Xvfb does not start or has no GLX (its messages are in the viewer's "
@@ -101,14 +110,11 @@ bool display::open(std::string &log, std::string &error)
 
 display::~display()
 {
-	if (xvfb <= 0)
-		return;
-	kill(xvfb, SIGTERM);
-	for (int tick = 0; tick < 20; tick++) {
-		if (waitpid(xvfb, nullptr, WNOHANG) != 0)
-			return;
-		poll(nullptr, 0, 100);
+	int status;
+	if (xvfb > 0)
+		kill(xvfb, SIGTERM);
+	if (!ended(xvfb, 20, status)) {
+		kill(xvfb, SIGKILL);
+		waitpid(xvfb, nullptr, 0);
 	}
-	kill(xvfb, SIGKILL);
-	waitpid(xvfb, nullptr, 0);
 }

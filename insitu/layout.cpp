@@ -7,7 +7,7 @@
 
 namespace
 {
-constexpr double margin = 22, gap = 20, heading = 40, letters = 19, heading_letters = 22; // page units
+constexpr double margin = 22, gap = 20, heading = 40, letters = 19, heading_letters = 22, length_gap = 9; // page units
 
 std::string time_text(double time)
 {
@@ -82,23 +82,29 @@ void layout_heading(page &page, const layout &where, const std::string &title, d
 	page.text(clock, x1, y, heading_letters, align::high, align::low);
 }
 
-void layout_length(page &page, const layout &where, double below)
+length_scale length_scale_make(const page &page, const layout &where)
 {
-	double u = page.unit, room = std::max(0.22 * where.window.width(), 60 * u) * page.metres_per_pixel();
+	double room = std::max(0.22 * where.window.width(), 60 * page.unit) * page.metres_per_pixel();
 	double length = std::pow(10, std::floor(std::log10(room)));
 	length *= room >= 5 * length ? 5 : room >= 2 * length ? 2 : 1;
-	double pixels = length / page.metres_per_pixel(), x = where.window.x0 + 1, y = where.group.y0 - below * u;
-	shapes bar;
-	double ends[3][2][2] = {{{x, y}, {x + pixels, y}},
-							{{x, y - 5 * u}, {x, y + 5 * u}},
-							{{x + pixels, y - 5 * u}, {x + pixels, y + 5 * u}}};
-	for (const auto &stroke : ends)
-		bar.line(stroke, 2, false, ink::text);
-	page.draw(bar, 1.8);
 	char unit[TICKS_UNIT], text[96];
 	double shown = length * ticks_unit("m", length * 1.0001, unit);
 	snprintf(text, sizeof text, "%g %s", shown, unit);
-	page.text(text, x + pixels + 9 * u, y, letters, align::low, align::middle);
+	length_scale made = {length / page.metres_per_pixel(), text, 0};
+	made.width = made.pixels + length_gap * page.unit + page.text_width(made.text, letters);
+	return made;
+}
+
+void length_scale_draw(page &page, const length_scale &scale, double x, double y)
+{
+	double u = page.unit, end = x + scale.pixels;
+	shapes bar;
+	double strokes[3][2][2] = {
+		{{x, y}, {end, y}}, {{x, y - 5 * u}, {x, y + 5 * u}}, {{end, y - 5 * u}, {end, y + 5 * u}}};
+	for (const auto &stroke : strokes)
+		bar.line(stroke, 2, false, ink::text);
+	page.draw(bar, 1.8);
+	page.text(scale.text, end + length_gap * u, y, letters, align::low, align::middle);
 }
 
 void layout_frame(page &page, const layout &where)

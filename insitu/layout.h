@@ -20,8 +20,16 @@ void layout_bar(page &page, const layout &where, const colour_scale &scale);
 // Title on the left, time on the right, above the group.
 void layout_heading(page &page, const layout &where, const std::string &title, double time);
 
-// A bar of a round length in metres under the window's left corner, `below` page units under the group.
-void layout_length(page &page, const layout &where, double below);
+// A bar of a round length in metres, and its words.
+struct length_scale {
+	double pixels;
+	std::string text;
+	double width; // bar and words, pixels
+};
+length_scale length_scale_make(const page &page, const layout &where);
+
+// Draws it from (x, y) on, y being its middle.
+void length_scale_draw(page &page, const length_scale &scale, double x, double y);
 
 // A thin frame around the window.
 void layout_frame(page &page, const layout &where);

@@ -142,7 +142,7 @@ int main()
 		return 4;
 	}
 	if (!log.empty())
-		send_message(FRAME_MSG_LOG, -1, log);
+		fprintf(stderr, "tmdempm-viewer: %s\n", log.c_str());
 	serve(*image_sink_create());
 	return 0;
 }

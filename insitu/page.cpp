@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unistd.h>
 
 #include <vtkActor2D.h>
 #include <vtkCamera.h>
@@ -112,11 +113,30 @@ page::page(int w, int h)
 	world_renderer->InteractiveOff();
 }
 
+// VTK's own letters lack Greek and brackets in Debian's build; these come with Debian's fonts and matplotlib.
+static const char *font_file(bool bold)
+{
+	static const char *const places[2][3] = {
+		{"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu/DejaVuSans.ttf",
+		 "/usr/share/matplotlib/mpl-data/fonts/ttf/DejaVuSans.ttf"},
+		{"/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf", "/usr/share/fonts/dejavu/DejaVuSans-Bold.ttf",
+		 "/usr/share/matplotlib/mpl-data/fonts/ttf/DejaVuSans-Bold.ttf"}};
+	for (const char *place : places[bold])
+		if (access(place, R_OK) == 0)
+			return place;
+	return nullptr;
+}
+
 static void set_style(vtkTextProperty *style, double size, bool bold, const rgb &colour)
 {
-	style->SetFontFamilyToArial();
+	if (const char *file = font_file(bold)) {
+		style->SetFontFamily(VTK_FONT_FILE);
+		style->SetFontFile(file);
+	} else {
+		style->SetFontFamilyToArial();
+		style->SetBold(bold);
+	}
 	style->SetFontSize(std::max(8, int(std::lround(size))));
-	style->SetBold(bold);
 	style->SetColor(colour[0], colour[1], colour[2]);
 }
 
@@ -138,14 +158,13 @@ void page::text(const std::string &text, double x, double y, double size, align 
 	vtkTextProperty *style = actor->GetTextProperty();
 	set_style(style, size * unit, bold, colour);
 	actor->SetInput(text.c_str());
-	style->SetJustification(across == align::low      ? VTK_TEXT_LEFT
-							: across == align::middle ? VTK_TEXT_CENTERED
-													  : VTK_TEXT_RIGHT);
-	style->SetVerticalJustification(up == align::low      ? VTK_TEXT_BOTTOM
-									: up == align::middle ? VTK_TEXT_CENTERED
-														  : VTK_TEXT_TOP);
-	if (turned)
-		style->SetOrientation(90);
+	// VTK justifies in the text's own frame: turned, its foot points to the right of the page.
+	static const int along[] = {VTK_TEXT_LEFT, VTK_TEXT_CENTERED, VTK_TEXT_RIGHT};
+	static const int height[] = {VTK_TEXT_BOTTOM, VTK_TEXT_CENTERED, VTK_TEXT_TOP};
+	static const int turned_height[] = {VTK_TEXT_TOP, VTK_TEXT_CENTERED, VTK_TEXT_BOTTOM};
+	style->SetJustification(along[int(turned ? up : across)]);
+	style->SetVerticalJustification(turned ? turned_height[int(across)] : height[int(up)]);
+	style->SetOrientation(turned ? 90 : 0);
 	actor->GetPositionCoordinate()->SetCoordinateSystemToDisplay();
 	actor->SetPosition(std::round(x), std::round(y));
 	sheet_renderer->AddActor2D(actor);

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include <vtkCellData.h>
-#include <vtkPointData.h>
+#include <vtkDoubleArray.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
 
@@ -13,7 +13,7 @@
 
 namespace
 {
-enum level { LEVEL_DOMAINS, LEVEL_WALLS, LEVEL_WALL_EDGES };
+enum level { LEVEL_SEAMS, LEVEL_DOMAINS, LEVEL_WALLS, LEVEL_WALL_EDGES };
 
 // Grows `b` by the coordinates of a channel.
 void include(box &b, const frame_view &frame, int channel)
@@ -51,8 +51,8 @@ box view_find(const frame_view &frame, const frame_image &image)
 
 struct coloured {
 	int channel;              // that has the geometry
-	const frame_array *array; // values, one for each cell of it
-	vtkSmartPointer<vtkDataArray> wrapped;
+	const frame_array *array; // with a value for each cell of it
+	std::vector<double> values;
 };
 
 // The field: an array of "domains", or of "points" shown on the domains (both are in the points' order).
@@ -67,7 +67,7 @@ bool field_find(const frame_view &frame, const frame_image &image, coloured &fie
 	for (int channel : {domains, points}) {
 		const frame_array *array = channel >= 0 ? frame.find_array(channel, image.field) : nullptr;
 		if (array && array->count == frame.channel(geometry).n_cells) {
-			field = {geometry, array, frame.array(channel, image.field)};
+			field = {geometry, array, scale_values(frame, *array, image.component)};
 			return true;
 		}
 	}
@@ -75,29 +75,32 @@ bool field_find(const frame_view &frame, const frame_image &image, coloured &fie
 	return false;
 }
 
-void draw_domains(page &page, const frame_view &frame, const coloured &field, const colour_scale &scale, int component)
+void draw_domains(page &page, const frame_view &frame, const coloured &field, const colour_scale &scale)
 {
 	auto data = frame.geometry(field.channel);
-	if (!data || data->GetNumberOfCells() != field.array->count)
+	if (!data || data->GetNumberOfCells() != vtkIdType(field.values.size()))
 		return;
-	data->GetCellData()->SetScalars(field.wrapped);
-	auto table = colour_map_table(*scale.map, scale.low / scale.factor, scale.high / scale.factor);
-	if (component >= 0) {
-		table->SetVectorModeToComponent();
-		table->SetVectorComponent(component);
-	} else {
-		table->SetVectorModeToMagnitude();
-	}
+	vtkNew<vtkDoubleArray> values;
+	values->Allocate(vtkIdType(field.values.size()));
+	for (double v : field.values)
+		values->InsertNextValue(v);
+	data->GetCellData()->SetScalars(values);
 	vtkNew<vtkPolyDataMapper> mapper;
 	mapper->SetInputData(data);
 	mapper->SetScalarModeToUseCellData();
 	mapper->SetColorModeToMapScalars();
-	mapper->SetLookupTable(table);
+	mapper->SetLookupTable(colour_map_table(*scale.map, scale.low / scale.factor, scale.high / scale.factor));
 	mapper->UseLookupTableScalarRangeOn();
 	vtkNew<vtkActor> actor;
 	actor->SetMapper(mapper);
 	actor->GetProperty()->SetPointSize(float(5 * page.unit));
 	page.add(actor, LEVEL_DOMAINS);
+	// Domains deform each on its own: outlines in their own colours, behind, close the hairlines between them.
+	vtkNew<vtkActor> seams;
+	seams->SetMapper(mapper);
+	seams->GetProperty()->SetRepresentationToWireframe();
+	seams->GetProperty()->SetLineWidth(float(std::max(1.0, 2 * page.unit)));
+	page.add(seams, LEVEL_SEAMS);
 }
 
 // Strokes at 45 degrees on the solid side (the right) of a line, as engineers draw the ground.
@@ -115,7 +118,8 @@ void hatch(shapes &strokes, const double a[2], const double b[2], double spacing
 	}
 }
 
-// Channel "walls": closed polygons are solid; open lines are the surface of a solid on their right.
+// Channel "walls": polygons (array "closed", or last corner = first) are solid; open lines are the surface of a
+// solid on their right.
 void draw_walls(page &page, const frame_view &frame)
 {
 	int c = frame.find("walls");
@@ -134,8 +138,11 @@ void draw_walls(page &page, const frame_view &frame)
 		std::vector<std::array<double, 2>> p;
 		for (int64_t i = from; i < to; i++)
 			p.push_back({frame.value(*x, i, 0), frame.value(*x, i, 1)});
+		bool round = p.size() > 3 && p.front() == p.back();
+		if (round)
+			p.pop_back();
+		bool solid = round || (closed && k < closed->count && frame.value(*closed, k) != 0 && p.size() >= 3);
 		auto corners = reinterpret_cast<const double(*)[2]>(p.data());
-		bool solid = closed && k < closed->count && frame.value(*closed, k) != 0 && p.size() >= 3;
 		edges.line(corners, int(p.size()), solid, ink::wall_edge);
 		if (solid)
 			solids.polygon(corners, int(p.size()), ink::wall);
@@ -153,16 +160,16 @@ bool picture_points(page &page, const frame_view &frame, const frame_image &imag
 	coloured field;
 	colour_scale scale;
 	if (!field_find(frame, image, field, error) ||
-		!scale_make(image, *field.array, frame.header().temperature_unit,
-					scale_values(frame, *field.array, image.component), scale, error))
+		!scale_make(image, *field.array, frame.header().temperature_unit, field.values, scale, error))
 		return false;
 	constexpr double foot = 44;
 	layout where = layout_make(page, view_find(frame, image), scale, foot);
-	draw_domains(page, frame, field, scale, image.component);
+	draw_domains(page, frame, field, scale);
 	draw_walls(page, frame);
 	layout_frame(page, where);
 	layout_bar(page, where, scale);
 	layout_heading(page, where, frame.header().title, frame.header().time);
-	layout_length(page, where, 0.5 * foot);
+	length_scale_draw(page, length_scale_make(page, where), where.window.x0 + 1,
+					  where.group.y0 - 0.5 * foot * page.unit);
 	return true;
 }

@@ -13,7 +13,7 @@ namespace
 enum level { LEVEL_DISCS, LEVEL_RIMS, LEVEL_CASING, LEVEL_CHAINS, LEVEL_BONDS, LEVEL_CELL };
 
 constexpr double surroundings_fade = 0.66; // how far the periodic images go towards white
-constexpr double aspect_most = 2.2;        // of the window; a slender cell is shown in more of its surroundings
+constexpr double aspect_most = 3;          // of the window; a slender cell is shown in more of its surroundings
 constexpr double letters = 17, swatch = 26, legend_gap = 20; // page units
 constexpr double pi = 3.14159265358979323846;
 
@@ -88,6 +88,7 @@ bool read_discs(const frame_view &frame, const frame_image &image, int channel, 
 }
 
 // The contacts, each moved so that its middle lies in the cell; the weakest first, so that the chains lie on top.
+// Copies for other viewers (array "image") are left out: all images are made here.
 void read_contacts(const frame_view &frame, int channel, rve &rve)
 {
 	const frame_array *x = channel >= 0 ? frame.find_array(channel, "coordinates") : nullptr;
@@ -95,10 +96,13 @@ void read_contacts(const frame_view &frame, int channel, rve &rve)
 	if (!x || !force || x->count != 2 * force->count)
 		return;
 	const frame_array *sliding = frame.find_array(channel, "sliding"), *bond = frame.find_array(channel, "bond");
+	const frame_array *image = frame.find_array(channel, "image");
 	auto flag = [&](const frame_array *array, int64_t k) {
 		return array && k < array->count ? int(frame.value(*array, k)) : 0;
 	};
 	for (int64_t k = 0; k < force->count; k++) {
+		if (flag(image, k) != 0)
+			continue;
 		contact c;
 		for (int d = 0; d < 2; d++) {
 			c.a[d] = frame.value(*x, 2 * k, d);
@@ -132,7 +136,8 @@ box view_of(const rve &rve)
 	return {b.x0 - more_x, b.y0 - more_y, b.x1 + more_x, b.y1 + more_y};
 }
 
-// Calls `visit` with every lattice shift whose copy of the cell can reach into the view.
+// Calls `visit` with every lattice shift whose copy of the cell can reach into the view; the cell itself comes
+// last, so that it lies on top of its images.
 void for_images(const cell &shape, const box &view, const std::function<void(double, double, bool)> &visit)
 {
 	double low[2] = {0, 0}, high[2] = {0, 0};
@@ -144,8 +149,10 @@ void for_images(const cell &shape, const box &view, const std::function<void(dou
 	for (double i = std::floor(low[0]) - 1; i <= std::ceil(high[0]); i++)
 		for (double j = std::floor(low[1]) - 1; j <= std::ceil(high[1]); j++) {
 			auto shift = shape.place(i, j);
-			visit(shift[0], shift[1], i == 0 && j == 0);
+			if (i != 0 || j != 0)
+				visit(shift[0], shift[1], false);
 		}
+	visit(0, 0, true);
 }
 
 bool inside(const box &b, double x, double y, double reach)
@@ -211,9 +218,10 @@ void draw_contacts(page &page, const rve &rve, const chains &chains, const box &
 			double middle[2] = {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};
 			if (!inside(view, middle[0], middle[1], 2.5 * rve.mean_radius))
 				continue;
-			double w = std::max(chains.width(c.force), (c.sliding ? 1.2 : 0.7) * pixel);
+			double w = std::max(chains.width(c.force), (c.sliding ? 1.4 : 0.7) * pixel);
 			rgb white = {1, 1, 1};
-			casing.band(a, b, w + 1.6 * pixel, white, own ? 0.75 : 0.5);
+			if (w > 1.3 * pixel)
+				casing.band(a, b, w + 1.6 * pixel, white, own ? 0.75 : 0.5);
 			bands.band(a, b, w, colour_mix(contact_colour(c), white, fade));
 			if (c.bond == 0)
 				continue;
@@ -288,7 +296,7 @@ std::vector<legend_item> legend_items(const page &page, const rve &rve, const ch
 	double shown = step > chains.reference * 1.2 ? ticks_step(0.4 * chains.reference, 1) : step;
 	char unit[TICKS_UNIT], text[96];
 	double factor = ticks_unit("N", shown * 1.0001, unit);
-	snprintf(text, sizeof text, "%g %s", shown * factor, unit);
+	snprintf(text, sizeof text, "force %g %s", shown * factor, unit);
 	line_item(text, ink::compression, std::max(1.0, chains.width(shown) / pixel));
 	if (any[1])
 		line_item("tension", ink::tension, 5 * u);
@@ -301,18 +309,22 @@ std::vector<legend_item> legend_items(const page &page, const rve &rve, const ch
 	return items;
 }
 
-// Signs and words in one row, ending at x1.
-void draw_legend(page &page, const std::vector<legend_item> &items, double x1, double y)
+// Length scale on the left, signs and words on the right, in one row; it may be wider than the group above.
+void draw_legend(page &page, const layout &where, const std::vector<legend_item> &items, double y)
 {
-	double u = page.unit, width = 0;
+	double u = page.unit, width = 0, edge = 22 * u;
 	for (const legend_item &item : items)
-		width += item.width + 8 * u + page.text_width(item.text, letters) + legend_gap * u;
-	double x = x1 - width + legend_gap * u;
+		width += legend_gap * u + item.width + 8 * u + page.text_width(item.text, letters);
+	length_scale length = length_scale_make(page, where);
+	double x0 = std::max(edge, std::min(where.window.x0 + 1, page.width - edge - length.width - width));
+	length_scale_draw(page, length, x0, y);
+	double x = std::max(x0 + length.width, where.group.x1 - width);
 	for (const legend_item &item : items) {
+		x += legend_gap * u;
 		item.sign(page, x, y);
 		x += item.width + 8 * u;
 		page.text(item.text, x, y, letters, align::low, align::middle);
-		x += page.text_width(item.text, letters) + legend_gap * u;
+		x += page.text_width(item.text, letters);
 	}
 }
 } // namespace
@@ -339,7 +351,7 @@ bool picture_rve(page &page, const frame_view &frame, const frame_image &image, 
 	const double foot = 78;
 	box view = view_of(rve);
 	layout where = layout_make(page, view, scale, foot);
-	chains chains = {force_reference(rve), 0.7 * rve.mean_radius};
+	chains chains = {force_reference(rve), 0.6 * rve.mean_radius};
 	draw_discs(page, rve, scale, view);
 	draw_contacts(page, rve, chains, view);
 	draw_cell(page, rve.shape);
@@ -349,9 +361,7 @@ bool picture_rve(page &page, const frame_view &frame, const frame_image &image, 
 	if (frame.header().title[0])
 		title += " \u2013 " + std::string(frame.header().title);
 	layout_heading(page, where, title, frame.header().time);
-	layout_length(page, where, 24);
-	draw_legend(page, legend_items(page, rve, chains), std::max(where.group.x1, 0.5 * page.width),
-				where.group.y0 - 24 * page.unit);
+	draw_legend(page, where, legend_items(page, rve, chains), where.group.y0 - 24 * page.unit);
 	layout_note(page, where, frame.channel(discs).note, 60);
 	return true;
 }

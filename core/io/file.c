@@ -94,24 +94,33 @@ static int sync_path(const char *path, int flags)
 	return reason ? error_set(STATUS_RESOURCE, "cannot sync %s: %s", path, strerror(reason)) : STATUS_OK;
 }
 
+int file_publish(const char *temporary, const char *path)
+{
+	if (rename(temporary, path) == 0)
+		return STATUS_OK;
+	int reason = errno;
+	unlink(temporary);
+	return error_set(STATUS_RESOURCE, "cannot write %s: %s", path, strerror(reason));
+}
+
 int file_commit(const char *temporary, const char *path)
 {
 	char folder[FILE_PATH];
 	int status = file_folder(folder, path);
 	if (status == STATUS_OK)
 		status = sync_path(temporary, O_RDONLY);
-	if (status == STATUS_OK && rename(temporary, path) != 0)
-		status = error_set(STATUS_RESOURCE, "cannot write %s: %s", path, strerror(errno));
 	if (status != STATUS_OK) {
 		unlink(temporary);
 		return status;
 	}
+	CHECK(file_publish(temporary, path));
 	return sync_path(folder, O_RDONLY | O_DIRECTORY);
 }
 
 int file_output_begin(struct file_output *output, const char *path)
 {
 	output->stream = NULL;
+	output->unsynced = false;
 	if (strlen(path) >= sizeof output->path)
 		return path_too_long(path);
 	strcpy(output->path, path);
@@ -126,7 +135,8 @@ int file_output_begin(struct file_output *output, const char *path)
 
 int file_output_commit(struct file_output *output)
 {
-	int failed = ferror(output->stream), reason = EIO;
+	/* the system's reason was in errno when a write failed; nothing since then sets it to a better one */
+	int failed = ferror(output->stream), reason = errno == ENOSPC || errno == EDQUOT || errno == EFBIG ? errno : EIO;
 	if (fclose(output->stream) != 0)
 		failed = 1, reason = errno;
 	output->stream = NULL;
@@ -134,7 +144,7 @@ int file_output_commit(struct file_output *output)
 		unlink(output->temporary);
 		return error_set(STATUS_RESOURCE, "cannot write %s: %s", output->path, strerror(reason));
 	}
-	return file_commit(output->temporary, output->path);
+	return (output->unsynced ? file_publish : file_commit)(output->temporary, output->path);
 }
 
 void file_output_abandon(struct file_output *output)

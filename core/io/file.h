@@ -37,8 +37,13 @@ int file_temporary(char temporary[FILE_PATH], const char *path);
  * file is removed and `path` is as it was. */
 int file_commit(const char *temporary, const char *path);
 
+/* Renames only: whole after a crash of this process, perhaps not after a loss of power.  For files of which a
+ * run writes many and could make them again. */
+int file_publish(const char *temporary, const char *path);
+
 /* The same for streams. */
 struct file_output {
+	bool unsynced; /* set it after file_output_begin(): file_publish() will do */
 	FILE *stream; /* write here */
 	char path[FILE_PATH], temporary[FILE_PATH];
 };

@@ -32,6 +32,8 @@ static int h5_fail(const char *what, const char *name)
 /* The library must not print its stack: h5_fail() says what matters. */
 static void h5_quiet(void) { H5Eset_auto2(H5E_DEFAULT, NULL, NULL); }
 
+void h5_start(void) { H5dont_atexit(); }
+
 int h5_begin(struct h5_output *output, const char *path)
 {
 	h5_quiet();
@@ -44,7 +46,7 @@ int h5_begin(struct h5_output *output, const char *path)
 	return STATUS_OK;
 }
 
-int h5_commit(struct h5_output *output)
+static int h5_finish(struct h5_output *output, int (*rename_it)(const char *temporary, const char *path))
 {
 	hid_t file = output->file;
 	if (H5Fflush(file, H5F_SCOPE_LOCAL) < 0) {
@@ -58,8 +60,12 @@ int h5_commit(struct h5_output *output)
 		unlink(output->temporary);
 		return status;
 	}
-	return file_commit(output->temporary, output->path);
+	return rename_it(output->temporary, output->path);
 }
+
+int h5_commit(struct h5_output *output) { return h5_finish(output, file_commit); }
+
+int h5_publish(struct h5_output *output) { return h5_finish(output, file_publish); }
 
 void h5_abandon(struct h5_output *output)
 {
@@ -88,23 +94,26 @@ int h5_group(hid_t *group, hid_t parent, const char *name)
 	hid_t create = H5Pcreate(H5P_GROUP_CREATE);
 	H5Pset_obj_track_times(create, false);
 	*group = H5Gcreate2(parent, name, H5P_DEFAULT, create, H5P_DEFAULT);
+	int status = *group < 0 ? h5_fail("write", name) : STATUS_OK;
 	H5Pclose(create);
-	return *group < 0 ? h5_fail("write", name) : STATUS_OK;
+	return status;
 }
 
+/* Every other call of the library forgets why the last one failed: h5_fail() comes first. */
 static int h5_write_space(hid_t parent, const char *name, hid_t type, hid_t space, const void *data)
 {
-	hid_t create = H5Pcreate(H5P_DATASET_CREATE);
+	hid_t create = H5Pcreate(H5P_DATASET_CREATE), link = H5Pcreate(H5P_LINK_CREATE);
 	H5Pset_obj_track_times(create, false);
-	hid_t set = H5Dcreate2(parent, name, type, space, H5P_DEFAULT, create, H5P_DEFAULT);
+	H5Pset_create_intermediate_group(link, 1);
+	bool empty = H5Sget_simple_extent_npoints(space) == 0;
+	hid_t set = H5Dcreate2(parent, name, type, space, link, create, H5P_DEFAULT);
+	int status = set < 0 ? h5_fail("write", name) : STATUS_OK;
+	if (status == STATUS_OK && !empty && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+		status = h5_fail("write", name);
+	if (set >= 0 && H5Dclose(set) < 0 && status == STATUS_OK)
+		status = h5_fail("write", name);
 	H5Pclose(create);
-	if (set < 0)
-		return h5_fail("write", name);
-	int status = STATUS_OK;
-	if (H5Sget_simple_extent_npoints(space) > 0 && H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
-		status = h5_fail("write", name);
-	if (H5Dclose(set) < 0 && status == STATUS_OK)
-		status = h5_fail("write", name);
+	H5Pclose(link);
 	return status;
 }
 

@@ -12,6 +12,10 @@
 
 #include "io/file.h"
 
+/* To be called before anything else of the library.  Left alone, it tries at exit to write what a full disk
+ * has refused before, and crashes; every file here is closed by the one who opened it. */
+void h5_start(void);
+
 struct h5_output {
 	hid_t file;
 	char path[FILE_PATH], temporary[FILE_PATH];
@@ -19,6 +23,7 @@ struct h5_output {
 
 int h5_begin(struct h5_output *output, const char *path);
 int h5_commit(struct h5_output *output);
+int h5_publish(struct h5_output *output); /* without waiting for the disk, see file_publish() */
 void h5_abandon(struct h5_output *output); /* closes and removes; harmless after a commit */
 
 /* Opens an existing file for reading; close with H5Fclose(). */
@@ -27,7 +32,8 @@ int h5_open(hid_t *file, const char *path);
 /* Makes the group `name` below `parent`; close with H5Gclose(). */
 int h5_group(hid_t *group, hid_t parent, const char *name);
 
-/* The dataset `name` of rank 1 (columns = 0: `rows` values) or rank 2, of a native memory type. */
+/* The dataset `name` of rank 1 (columns = 0: `rows` values) or rank 2, of a native memory type; groups
+ * that its name passes through ("a/b") are made. */
 int h5_write(hid_t parent, const char *name, hid_t type, hsize_t rows, hsize_t columns, const void *data);
 
 /* A text as a scalar string dataset. */

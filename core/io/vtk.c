@@ -182,6 +182,7 @@ int vtk_write(const char *path, const void *frame, int channel)
 	int status = file_output_begin(&output, path);
 	if (status == STATUS_OK) {
 		file.stream = output.stream;
+		output.unsynced = true;
 		status = vtk_xml(&file);
 		if (status == STATUS_OK)
 			status = file_output_commit(&output);

@@ -73,7 +73,7 @@ static double (*silo_points(double spacing, int *count))[2]
 		double y = 0.3 + (j + 0.5) * spacing;
 		int half = (int)(half_width(y) / spacing);
 		for (int i = -half; i < half; i++, p++) {
-			points[p][0] = 5 + spacing * (i + 0.5) + 0.04 * sin(3 * y + i);
+			points[p][0] = 5 + spacing * (i + 0.5) + (y < 2 ? 0.04 * sin(3 * y + i) : 0);
 			points[p][1] = y - (y < 2 ? 0.1 * cos(i) * (2 - y) : 0);
 		}
 	}
@@ -187,7 +187,9 @@ static void add_discs(struct frame_builder *builder, const struct demo_disc *dis
 	for (int k = 0; k < 4; k++)
 		channel->cell_matrix[k] = H[k];
 	snprintf(channel->note, sizeof channel->note,
-		 "\xcf\x83xx = \xe2\x88\x92" "12.1 kPa, \xcf\x83yy = \xe2\x88\x92" "8.4 kPa, e = 0.163, coordination 3.9");
+			 "\xcf\x83xx = \xe2\x88\x92"
+			 "12.1 kPa, \xcf\x83yy = \xe2\x88\x92"
+			 "8.4 kPa, e = 0.163, coordination 3.9");
 	double(*x)[3] = frame_array_add(builder, "coordinates", "m", FRAME_GEOMETRY, FRAME_F64, 3, n);
 	for (int i = 0; x && i < n; i++) {
 		x[i][0] = H[0] * discs[i].s[0] + H[1] * discs[i].s[1];
@@ -208,7 +210,7 @@ static void add_discs(struct frame_builder *builder, const struct demo_disc *dis
 }
 
 static void add_contacts(struct frame_builder *builder, const struct demo_disc *discs, const struct demo_pair *pairs,
-			 int count, const double H[4], int bonds)
+						 int count, const double H[4], int bonds)
 {
 	frame_channel_add(builder, "rve_A_contacts", FRAME_SEGMENTS, 2 * count, count);
 	double(*x)[3] = frame_array_add(builder, "coordinates", "m", FRAME_GEOMETRY, FRAME_F64, 3, 2 * count);
@@ -230,7 +232,8 @@ static void add_contacts(struct frame_builder *builder, const struct demo_disc *
 		bond[p] = !bonds ? 0 : p % 9 == 0 || p % 4 == 1 ? 1 : p % 13 == 2 ? 2 : 0;
 }
 
-const void *demo_frame_rve(struct frame_builder *builder, int n, double stretch, double shear, int bonds, int64_t *bytes)
+const void *demo_frame_rve(struct frame_builder *builder, int n, double stretch, double shear, int bonds,
+						   int64_t *bytes)
 {
 	int capacity = 8 * n;
 	struct demo_disc *discs = calloc((size_t)n, sizeof *discs);

@@ -82,10 +82,10 @@ enum { FRAME_FD_SOCKET = 3, FRAME_FD_MEMORY = 4 };
 
 /* Messages (one packet each).  Engine to viewer: IMAGES (then n packets of struct frame_image), DRAW, QUIT.
  * Viewer to engine: READY (answers IMAGES), DONE or FAILED (text) for each DRAW: its slot is free again;
- * FAILED with slot -1: the viewer cannot work and ends; LOG (text for the run's log). */
+ * FAILED with slot -1: the viewer cannot work and ends.  What else it has to say goes to its log. */
 enum frame_message_kind {
 	FRAME_MSG_IMAGES = 1, FRAME_MSG_DRAW, FRAME_MSG_QUIT,
-	FRAME_MSG_READY = 100, FRAME_MSG_DONE, FRAME_MSG_FAILED, FRAME_MSG_LOG
+	FRAME_MSG_READY = 100, FRAME_MSG_DONE, FRAME_MSG_FAILED
 };
 
 struct frame_message {
@@ -94,7 +94,7 @@ struct frame_message {
 	int64_t offset, bytes;  /* DRAW: where in the memory file the slot lies */
 	int32_t image;          /* DRAW: index into the images; -1 = none (other sinks) */
 	int32_t n;              /* IMAGES: how many */
-	char text[1024];        /* DRAW: path of the PNG; FAILED, LOG: message */
+	char text[1024];        /* DRAW: path of the PNG; FAILED: message */
 };
 
 /* ---- reading a frame ---- */

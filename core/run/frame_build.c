@@ -260,7 +260,7 @@ static void frame_rve_note(const struct mpm *mpm, const struct rve_info *info, i
 {
 	int n = snprintf(note, 256, "p = %.3g kPa, e = %.3f, Z = %.2f", info->pressure * 1e-3, info->void_ratio, info->coordination);
 	if (mpm->thermal)
-		n += snprintf(note + n, 256 - (size_t)n, ", T = %.4g %s%s", scene_temperature_out(mpm->scene, mpm->p.T[point]),
+		n += snprintf(note + n, 256 - (size_t)n, ", T = %.5g %s%s", scene_temperature_out(mpm->scene, mpm->p.T[point]),
 		              mpm->scene->units.celsius ? "\302\260" : "", scene_temperature_unit(mpm->scene));
 	if (info->flags & RVE_GAS)
 		n += snprintf(note + n, 256 - (size_t)n, ", flying");

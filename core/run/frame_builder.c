@@ -24,7 +24,7 @@ static int64_t align_up(int64_t bytes) { return (bytes + ALIGN - 1) / ALIGN * AL
 /* Grows a block by `bytes` zeroed bytes and returns where they begin; NULL on lack of memory. */
 static void *block_grow(struct block *block, size_t bytes)
 {
-	if (bytes > SIZE_MAX / 4 - block->size)
+	if (bytes > SIZE_MAX / 32 - block->size) /* more than any machine has; no overflow below */
 		return NULL;
 	if (!block->data || block->size + bytes > block->capacity) {
 		size_t capacity = (size_t)align_up((int64_t)(block->size + bytes + block->capacity / 2 + 1));

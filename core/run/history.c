@@ -95,9 +95,6 @@ static int probes_create(struct history *history)
 		if (!probe->point || !probe->weight)
 			return error_set(STATUS_RESOURCE, "out of memory");
 		if (from->kind == SCENE_PROBE_ID) {
-			if (mpm_point_by_id(history->mpm, (int)from->id) < 0)
-				return error_set(STATUS_INPUT, "%s:%d: probe %s: no point has the id %ld, expected 0 .. %d", from->place.file,
-				                 from->place.line, from->name, from->id, history->mpm->p.n - 1);
 			probe->n = 1, probe->point[0] = (int)from->id, probe->weight[0] = 1;
 		} else if (from->kind == SCENE_PROBE_MATERIAL) {
 			probe_material(probe, history->mpm, from->at);

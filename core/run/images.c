@@ -26,6 +26,7 @@ static void image_describe(struct frame_image *to, const struct scene_image *fro
 	memcpy(to->view, from->view, sizeof to->view);
 	to->size[0] = from->size[0], to->size[1] = from->size[1];
 	snprintf(to->map, sizeof to->map, "%.63s", from->map);
+	snprintf(to->unit, sizeof to->unit, "%.15s", from->unit);
 	to->range_auto = from->range_auto;
 	to->range[0] = from->range[0], to->range[1] = from->range[1];
 }

@@ -61,12 +61,6 @@ static int paths_add(struct paths *paths, const struct scene_inspect *inspect, c
 {
 	const struct mpm *mpm = paths->mpm;
 	int point = inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
-	if (point < 0)
-		return error_set(STATUS_INPUT, "%s:%d: inspect %s: no point has the id %ld, expected 0 .. %d", inspect->place.file,
-		                 inspect->place.line, inspect->name, inspect->id, mpm->p.n - 1);
-	if (!mpm->laws[mpm->p.law[point]]->type->rve_view)
-		return error_set(STATUS_INPUT, "%s:%d: inspect %s: the law of point %d has no RVE", inspect->place.file,
-		                 inspect->place.line, inspect->name, mpm->p.id[point]);
 	char below[FILE_PATH], file[FILE_PATH], name[SCENE_NAME + 16];
 	CHECK(file_join(below, folder, "rve"));
 	CHECK(file_make_folder(below));

@@ -6,7 +6,7 @@
 #include "run/run_private.h"
 #include "version.h"
 
-enum { INERTIA_BINS = 12 };
+enum { INERTIA_BINS = 12, REPORT_NAME = 128 };
 
 static double report_loop_time(const struct run *run)
 {
@@ -72,6 +72,25 @@ static void report_counts(struct json *json, const struct run *run)
 	json_close(json, '}');
 }
 
+/* Number i of the files of a run, relative to its folder; "" if it was not written.  False after the last. */
+static bool report_file(const struct run *run, int i, char name[REPORT_NAME])
+{
+	static const char *const always[] = {"history.csv", "run.json", "log.txt", "checkpoint.h5", "run.h5"};
+	const int n_always = sizeof always / sizeof *always;
+	char path[FILE_PATH];
+	if (i < n_always)
+		snprintf(name, REPORT_NAME, "%s", always[i]);
+	else if (i - n_always < run->scene->n_inspect)
+		snprintf(name, REPORT_NAME, "rve/%s_path.csv", run->scene->inspect[i - n_always].name);
+	else if (snapshots_series(run->snapshots, i - n_always - run->scene->n_inspect))
+		snprintf(name, REPORT_NAME, "%s", snapshots_series(run->snapshots, i - n_always - run->scene->n_inspect));
+	else
+		return false;
+	if (file_join(path, run->folder, name) != STATUS_OK || !file_exists(path))
+		name[0] = '\0';
+	return true;
+}
+
 static void report_outcome(struct json *json, const struct run *run, const char *state)
 {
 	const struct run_log *log = &run->log;
@@ -83,14 +102,10 @@ static void report_outcome(struct json *json, const struct run *run, const char 
 	if (strcmp(state, "done") && strcmp(state, "running"))
 		json_text(json, "reason", error_message());
 	json_open(json, "files", '[');
-	json_text(json, NULL, "history.csv");
-	json_text(json, NULL, "log.txt");
-	if (strcmp(state, "running"))
-		json_text(json, NULL, "checkpoint.h5");
-	if (snapshots_count(run->snapshots) > 0)
-		json_text(json, NULL, "run.h5");
-	for (int i = 0; snapshots_series(run->snapshots, i); i++)
-		json_text(json, NULL, snapshots_series(run->snapshots, i));
+	char name[REPORT_NAME];
+	for (int i = 0; report_file(run, i, name); i++)
+		if (name[0])
+			json_text(json, NULL, name);
 	json_close(json, ']');
 	json_integer(json, "snapshots", snapshots_count(run->snapshots));
 	json_open(json, "images", '[');
@@ -166,17 +181,13 @@ void report_print(struct run *run)
 	report_print_times(run);
 	if (run->log.quiet)
 		return;
-	printf("%s/\n  history.csv  run.json  log.txt  checkpoint.h5\n", run->folder);
-	if (snapshots_count(run->snapshots) > 0)
-		printf("  run.h5 (%d snapshots)\n", snapshots_count(run->snapshots));
-	for (int i = 0; snapshots_series(run->snapshots, i); i++)
-		printf("  %s\n", snapshots_series(run->snapshots, i));
-	for (int i = 0; i < run->scene->n_inspect; i++) {
-		char name[SCENE_NAME + 32], path[FILE_PATH];
-		snprintf(name, sizeof name, "rve/%s_path.csv", run->scene->inspect[i].name);
-		if (file_join(path, run->folder, name) == STATUS_OK && file_exists(path))
+	printf("%s/\n", run->folder);
+	char name[REPORT_NAME];
+	for (int i = 0; report_file(run, i, name); i++)
+		if (!strcmp(name, "run.h5"))
+			printf("  run.h5 (%d snapshots)\n", snapshots_count(run->snapshots));
+		else if (name[0])
 			printf("  %s\n", name);
-	}
 	for (int i = 0; i < images_count(run->images); i++)
 		printf("  %s\n", images_file(run->images, i));
 	fflush(stdout);

@@ -138,6 +138,7 @@ static int run_prepare(struct run *run)
 	bool restart = options->restart != NULL;
 	CHECK(folder_name(run->folder, options->out, options->restart, options->scene_path));
 	CHECK(scene_load(&run->scene, options->scene_path, options->n_sets, options->sets, stderr));
+	CHECK(images_check(run->scene, stderr));
 	CHECK(run_set_times(run));
 	CHECK(folder_check(run->folder, options->force, restart));
 	if (restart)

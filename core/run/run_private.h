@@ -58,6 +58,9 @@ const char *snapshots_series(const struct snapshots *snapshots, int i);
 
 struct images;
 
+/* Do the fields and components that a scene's pictures ask for exist?  All messages go to `errors` (a FILE *). */
+int images_check(const struct scene *scene, void *errors);
+
 /* Starts the viewer if the scene asks for pictures; without one the run goes on and a warning says what to install. */
 int images_create(struct images **images, const struct mpm *mpm, const char *folder, struct run_log *log);
 bool images_due(const struct images *images, long long step, bool last);

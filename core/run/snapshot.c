@@ -94,6 +94,7 @@ static int series_write(const struct snapshots *s, const struct series *series)
 	CHECK(file_join(path, s->folder, series->file));
 	struct file_output output;
 	CHECK(file_output_begin(&output, path));
+	output.unsynced = true;
 	fprintf(output.stream, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
 	        "<Collection>\n");
 	for (int i = 0; i < series->n; i++)
@@ -149,6 +150,11 @@ static int snapshots_take_file(struct snapshots *s, const char *file)
 	return step <= s->mpm->step ? snapshots_add_step(s, step) : STATUS_OK;
 }
 
+static int series_compare(const void *a, const void *b)
+{
+	return strcmp(((const struct series *)a)->name, ((const struct series *)b)->name);
+}
+
 static int snapshots_write_links(const struct snapshots *s);
 
 static int snapshots_take_up(struct snapshots *s)
@@ -157,6 +163,7 @@ static int snapshots_take_up(struct snapshots *s)
 	CHECK(file_join(below, s->folder, "snap"));
 	CHECK(snapshots_scan(s, below, snapshots_take_file, ".h5"));
 	CHECK(snapshots_scan(s, s->folder, series_read, ".pvd"));
+	qsort(s->series, (size_t)s->n_series, sizeof *s->series, series_compare); /* folders have no order */
 	return s->n ? snapshots_write_links(s) : STATUS_OK;
 }
 
@@ -225,7 +232,7 @@ static int snapshots_write_links(const struct snapshots *s)
 	CHECK(h5_begin(&output, path));
 	int status = snapshots_write_links_into(s, output.file);
 	if (status == STATUS_OK)
-		return h5_commit(&output);
+		return h5_publish(&output);
 	h5_abandon(&output);
 	return error_context(status, "%s", path);
 }
@@ -338,7 +345,7 @@ static int snapshot_write_h5(struct snapshots *s)
 		h5_abandon(&output);
 		return error_context(status, "%s", path);
 	}
-	CHECK(h5_commit(&output));
+	CHECK(h5_publish(&output));
 	CHECK(snapshots_add_step(s, s->mpm->step));
 	return snapshots_write_links(s);
 }

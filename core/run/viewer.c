@@ -315,9 +315,6 @@ static void message_handle(struct viewer *viewer, struct frame_message *message)
 			snprintf(viewer->given_up, sizeof viewer->given_up, "%s", message->text);
 		slot_release(viewer, message->slot, true);
 		break;
-	case FRAME_MSG_LOG:
-		note(viewer, "viewer: %s", message->text);
-		break;
 	default:
 		break;
 	}
@@ -333,6 +330,8 @@ static enum answer message_take(struct viewer *viewer, int ms)
 		return ANSWER_NONE;
 	struct frame_message message;
 	ssize_t n = recv(viewer->socket, &message, sizeof message, MSG_DONTWAIT);
+	if (n < 0 && errno == ECONNRESET) /* it died with our messages unread; its own last words come after this */
+		n = recv(viewer->socket, &message, sizeof message, MSG_DONTWAIT);
 	if (n == (ssize_t)sizeof message) {
 		message_handle(viewer, &message);
 		return ANSWER;

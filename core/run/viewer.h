@@ -48,8 +48,8 @@ int viewer_draw(struct viewer *viewer, const void *frame, int64_t bytes, int ima
 /* Waits until everything asked for is drawn (or failed); the same failures as viewer_draw(). */
 int viewer_flush(struct viewer *viewer);
 
-/* What happened since the last call that the run's log should say (restart, picture that failed, Xvfb
- * started), one line each; NULL = nothing.  Valid until the next call on this viewer. */
+/* What went wrong since the last call and the run's log should say (restart, picture that failed), one line
+ * each; NULL = nothing.  Valid until the next call. */
 const char *viewer_notice(struct viewer *viewer);
 
 /* Seconds without any answer after which a viewer counts as hung; 60. */

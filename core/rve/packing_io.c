@@ -262,15 +262,51 @@ static uint64_t fnv(uint64_t hash, const void *data, size_t size)
 	return hash;
 }
 
-/* Of all that decides how an RVE starts: a damaged file must not start a run. */
-static uint64_t content_hash(const struct rve_packing *p)
+/* The HDF5 library may crash on damaged files, so a file begins with a user block (a part that HDF5 leaves
+ * to its user) with a hash of all that follows; the library only sees files whose hash is right. */
+enum { USER_BLOCK = 512 };
+
+static void user_block(char block[USER_BLOCK], const char *text, size_t size)
 {
-	size_t n = (size_t)p->n_discs, m = (size_t)p->n_contacts;
-	uint64_t hash = fnv(FNV_START, p->H, sizeof p->H);
-	hash = fnv(hash, p->x, n * sizeof *p->x);
-	hash = fnv(hash, p->r, n * sizeof *p->r);
-	hash = fnv(hash, p->pair, m * sizeof *p->pair);
-	return fnv(hash, p->ft, m * sizeof *p->ft);
+	memset(block, 0, USER_BLOCK);
+	snprintf(block, USER_BLOCK, "%s; the rest of this file is HDF5, FNV-1a %016" PRIx64 "\n", format_name,
+			 fnv(FNV_START, text + USER_BLOCK, size - USER_BLOCK));
+}
+
+static int seal(const char *path)
+{
+	char block[USER_BLOCK], *text;
+	size_t size;
+	CHECK(file_read(&text, &size, path));
+	user_block(block, text, size);
+	free(text);
+	FILE *stream = fopen(path, "r+e");
+	bool failed = !stream || fwrite(block, 1, sizeof block, stream) != sizeof block;
+	if (stream && fclose(stream) != 0)
+		failed = true;
+	return failed ? error_set(STATUS_RESOURCE, "cannot write %s: %s", path, strerror(errno)) : STATUS_OK;
+}
+
+static int not_a_packing(const char *path, const char *what)
+{
+	return error_set(STATUS_INPUT, "%s: %s, expected a packing in HDF5 as `tmdempm rve pack` writes it", path, what);
+}
+
+static int check_seal(const char *path)
+{
+	char block[USER_BLOCK], *text;
+	size_t size;
+	CHECK(file_read(&text, &size, path));
+	int status = STATUS_OK;
+	if (size <= USER_BLOCK || strncmp(text, format_name, strlen(format_name)) != 0) {
+		status = not_a_packing(path, "not a packing");
+	} else {
+		user_block(block, text, size);
+		if (memcmp(block, text, USER_BLOCK) != 0)
+			status = not_a_packing(path, "the file is damaged or was changed (its hash is wrong)");
+	}
+	free(text);
+	return status;
 }
 
 /* One dataset with its unit; returns 0 or -1. */
@@ -323,10 +359,8 @@ static int put_double(hid_t file, const char *name, double value)
 static int put_packing(hid_t file, const struct rve_packing *p, const char *key)
 {
 	const hsize_t cell[2] = {2, 2}, discs[2] = {(hsize_t)p->n_discs, 2}, pairs[2] = {(hsize_t)p->n_contacts, 4};
-	uint64_t hash = content_hash(p);
 	unsigned seed = p->seed;
 	int failed = put_text(file, "format", format_name);
-	failed |= put_attribute(file, "content_hash", H5T_STD_U64LE, H5T_NATIVE_UINT64, &hash);
 	if (key)
 		failed |= put_text(file, "key", key);
 	failed |= put_double(file, "pressure", p->pressure);
@@ -352,23 +386,24 @@ static int write_h5(const struct rve_packing *p, const char *path, const char *k
 	if (file_is_folder(path))
 		return error_set(STATUS_RESOURCE, "cannot write %s: it is a folder", path);
 	CHECK(file_temporary(temporary, path));
+	hid_t how = H5Pcreate(H5P_FILE_CREATE);
+	H5Pset_userblock(how, USER_BLOCK);
 	errno = 0;
-	hid_t file = H5Fcreate(temporary, H5F_ACC_EXCL, H5P_DEFAULT, H5P_DEFAULT);
-	int failed = file < 0 ? -1 : put_packing(file, p, key);
+	hid_t file = H5Fcreate(temporary, H5F_ACC_EXCL, how, H5P_DEFAULT);
+	int failed = file < 0 ? -1 : put_packing(file, p, key), reason = errno;
+	H5Pclose(how);
 	if (file >= 0 && H5Fclose(file) < 0)
-		failed = -1;
-	if (failed) {
-		int reason = errno;
-		unlink(temporary);
-		return error_set(STATUS_RESOURCE, "cannot write %s: %s", path,
-						 reason ? strerror(reason) : "the HDF5 library failed");
-	}
-	return file_commit(temporary, path);
-}
-
-static int not_a_packing(const char *path, const char *what)
-{
-	return error_set(STATUS_INPUT, "%s: %s, expected a packing in HDF5 as `tmdempm rve pack` writes it", path, what);
+		failed = -1, reason = errno;
+	int status = STATUS_OK;
+	if (failed)
+		status = error_set(STATUS_RESOURCE, "cannot write %s: %s", path,
+						   reason ? strerror(reason) : "the HDF5 library failed");
+	if (status == STATUS_OK)
+		status = seal(temporary);
+	if (status == STATUS_OK)
+		return file_commit(temporary, path);
+	unlink(temporary);
+	return status;
 }
 
 static int get_attribute(hid_t file, const char *name, hid_t type, void *value)
@@ -427,9 +462,7 @@ static int get_dataset(hid_t file, const char *name, hid_t type, void *data)
 
 static int get_packing(hid_t file, struct rve_packing *p, const char *path)
 {
-	uint64_t hash;
-	int failed = get_attribute(file, "content_hash", H5T_NATIVE_UINT64, &hash);
-	failed |= get_attribute(file, "pressure", H5T_NATIVE_DOUBLE, &p->pressure);
+	int failed = get_attribute(file, "pressure", H5T_NATIVE_DOUBLE, &p->pressure);
 	failed |= get_attribute(file, "mu", H5T_NATIVE_DOUBLE, &p->mu);
 	failed |= get_attribute(file, "void_ratio", H5T_NATIVE_DOUBLE, &p->void_ratio);
 	failed |= get_attribute(file, "unbalanced", H5T_NATIVE_DOUBLE, &p->unbalanced);
@@ -443,8 +476,6 @@ static int get_packing(hid_t file, struct rve_packing *p, const char *path)
 	}
 	if (failed)
 		return not_a_packing(path, "an attribute or a dataset is missing or damaged");
-	if (hash != content_hash(p))
-		return not_a_packing(path, "the contents do not match their content_hash: the file is damaged");
 	return check_packing(p, &(struct place){.path = path});
 }
 
@@ -474,11 +505,10 @@ static int open_packing(hid_t file, struct rve_packing **packing, const char *pa
 static int read_h5(struct rve_packing **packing, const char *path, const char *key)
 {
 	hdf5_quiet();
-	if (access(path, R_OK) != 0)
-		return error_set(STATUS_RESOURCE, "cannot read %s: %s", path, strerror(errno));
+	CHECK(check_seal(path));
 	hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
 	if (file < 0)
-		return not_a_packing(path, "not an HDF5 file, or a damaged one");
+		return not_a_packing(path, "the HDF5 library cannot open it");
 	int status = open_packing(file, packing, path, key);
 	H5Fclose(file);
 	return status;

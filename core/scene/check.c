@@ -576,6 +576,7 @@ static const double *find_point(const struct loader *loader, long id, const doub
 	return found;
 }
 
+/* The law of that point, NULL if it cannot be told. */
 static const struct scene_law *law_of_point(const struct loader *loader, long id, const double at[2])
 {
 	const struct scene *scene = loader->scene;
@@ -586,7 +587,11 @@ static const struct scene_law *law_of_point(const struct loader *loader, long id
 	int layer = scene_body_layer(body, x[1]);
 	int material = layer >= 0 ? body->layers[layer].material : body->material;
 	int law = material >= 0 ? scene->materials[material].law : -1;
-	return law >= 0 ? &scene->laws[law] : NULL;
+	char path[PATH_LENGTH];
+	if (law < 0)
+		return NULL;
+	law_path(loader, law, path);
+	return loader_clean(loader, "%s", path) ? &scene->laws[law] : NULL;
 }
 
 static void check_inspect(struct loader *loader)
@@ -629,7 +634,8 @@ static void check_images(struct loader *loader)
 		const struct scene_image *image = &scene->images[k];
 		if (!clean_element(loader, "images", k))
 			continue;
-		if (image->view[0] >= image->view[2] || image->view[1] >= image->view[3])
+		if (node_find(list->children[k], "view") &&
+			(image->view[0] >= image->view[2] || image->view[1] >= image->view[3]))
 			problem_of(loader, path_to(path, "images", k, "view"), "has no area, expected [xmin, ymin, xmax, ymax]");
 		struct node *rve = node_find(list->children[k], "rve");
 		if (image->kind != SCENE_IMAGE_RVE) {

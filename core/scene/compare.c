@@ -2,6 +2,7 @@
 
 #include <libconfig.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char *const free_settings[] = {"title", "output", "images", "inspect"};
@@ -28,7 +29,9 @@ static void compare_print(const config_setting_t *setting, char *text, size_t si
 		snprintf(text, size, "%lld", config_setting_get_int64(setting));
 		break;
 	case CONFIG_TYPE_FLOAT:
-		snprintf(text, size, "%.17g", config_setting_get_float(setting));
+		snprintf(text, size, "%.15g", config_setting_get_float(setting));
+		if (strtod(text, NULL) != config_setting_get_float(setting))
+			snprintf(text, size, "%.17g", config_setting_get_float(setting));
 		break;
 	case CONFIG_TYPE_BOOL:
 		snprintf(text, size, "%s", config_setting_get_bool(setting) ? "true" : "false");

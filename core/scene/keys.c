@@ -318,7 +318,7 @@ static const struct scene_key image_keys[] = {
 	 .doc = "colours; coolwarm is for signed fields"},
 	{.name = "range", .type = KEY_CUSTOM, AT(scene_image, range_auto), .value = "\"auto\"", .text = true, .read = read_range,
 	 .expected = "\"auto\" or [min, max]", .doc = "of the colours: auto (from the data of each image) or [min, max] in the unit shown"},
-	{.name = "unit", .type = KEY_STRING, AT(scene_image, unit), .count = SCENE_NAME, .absent = "the field's",
+	{.name = "unit", .type = KEY_STRING, AT(scene_image, unit), .count = 16, .absent = "the field's",
 	 .doc = "written at the colour bar"},
 	{.name = "every", .type = KEY_FLOAT, AT(scene_image, every), .unit = "s", .absent = "output.snapshot_every", .range = RANGE_POSITIVE,
 	 .doc = "between pictures"},

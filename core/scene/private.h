@@ -117,7 +117,7 @@ int edit_distance(const char *a, const char *b);
 struct problem {
 	struct scene_place place;
 	char *path; /* key concerned; "" = the file */
-	char *message;
+	char *message; /* NULL: only taints its path */
 	int order;
 };
 
@@ -158,6 +158,9 @@ void problem_at(struct loader *loader, struct scene_place place, const char *pat
 
 /* The same about a key, found in the tree as deep as it is there. */
 void problem_of(struct loader *loader, const char *path, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* Makes a path count as wrong without a message of its own: one was given elsewhere. */
+void loader_taint(struct loader *loader, const char *path);
 
 /* Has nothing been found wrong at or below this path? */
 bool loader_clean(const struct loader *loader, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -260,21 +260,22 @@ int read_reference(struct loader *loader, struct node *node, const char *list, c
 static void read_value(struct loader *loader, const struct scene_key *key, struct node *node, void *base,
 					   const char *path);
 
-/* A key that nobody knows: the nearest of its neighbours, else of the whole table. */
-static void unknown_key(struct loader *loader, const struct scene_key *keys, const struct node *node, const char *path)
+/* Reports a key that nobody knows; returns the one that was probably meant, NULL if none is near. */
+static const struct scene_key *unknown_key(struct loader *loader, const struct scene_key *keys, const struct node *node,
+										   const char *path)
 {
-	const char *nearest = NULL;
+	const struct scene_key *nearest = NULL;
 	int best = 1 + (int)strlen(node->name) / 3;
 	if (best < 2)
 		best = 2;
 	for (const struct scene_key *key = keys; key->name; key++) {
 		int distance = edit_distance(node->name, key->name);
 		if (distance < best)
-			best = distance, nearest = key->name;
+			best = distance, nearest = key;
 	}
 	if (nearest) {
-		problem_at(loader, node->place, path, "is not known, expected another key (did you mean '%s'?)", nearest);
-		return;
+		problem_at(loader, node->place, path, "is not known, expected another key (did you mean '%s'?)", nearest->name);
+		return nearest;
 	}
 	char known[512] = "";
 	for (const struct scene_key *key = keys; key->name; key++) {
@@ -282,6 +283,7 @@ static void unknown_key(struct loader *loader, const struct scene_key *keys, con
 		add(known, sizeof known, key->name);
 	}
 	problem_at(loader, node->place, path, "is not known, expected one of %s", known);
+	return NULL;
 }
 
 /* What a value that is left out becomes. */
@@ -333,18 +335,27 @@ static void read_absent(struct loader *loader, const struct scene_key *key, cons
 
 void read_group(struct loader *loader, const struct scene_key *keys, struct node *group, void *target, const char *path)
 {
+	enum { MEANT_MAX = 16 };
+	const struct scene_key *meant[MEANT_MAX];
 	char at[PATH_LENGTH];
 	const char *dot = *path ? "." : "";
+	int n_meant = 0;
 	for (int k = 0; k < group->n; k++)
 		if (!keys_find(keys, group->children[k]->name)) {
 			path_print(at, "%s%s%.64s", path, dot, group->children[k]->name);
-			unknown_key(loader, keys, group->children[k], at);
+			meant[n_meant] = unknown_key(loader, keys, group->children[k], at);
+			n_meant += meant[n_meant] && n_meant + 1 < MEANT_MAX;
 		}
 	for (const struct scene_key *key = keys; key->name; key++) {
 		struct node *node = node_find(group, key->name);
+		bool misspelled = false; /* then it is not missing as well */
+		for (int k = 0; k < n_meant; k++)
+			misspelled |= meant[k] == key;
 		path_print(at, "%s%s%s", path, dot, key->name);
 		if (node)
 			read_value(loader, key, node, target, at);
+		else if (misspelled && key->required)
+			loader_taint(loader, at);
 		else
 			read_absent(loader, key, group, target, at);
 	}

@@ -119,6 +119,12 @@ void problem_of(struct loader *loader, const char *path, const char *format, ...
 	va_end(args);
 }
 
+void loader_taint(struct loader *loader, const char *path)
+{
+	problem_at(loader, loader->root->place, path, "%s", "");
+	loader->problems[loader->n_problems - 1].message = NULL;
+}
+
 bool loader_clean(const struct loader *loader, const char *format, ...)
 {
 	char path[PATH_LENGTH];
@@ -160,15 +166,21 @@ static void sort_problems(struct loader *loader)
 	}
 }
 
-static void print_problems(const struct loader *loader, FILE *out)
+/* Returns their number; prints them if there is where. */
+static int print_problems(const struct loader *loader, FILE *out)
 {
-	for (int k = 0; out && k < loader->n_problems; k++) {
+	int n = 0;
+	for (int k = 0; k < loader->n_problems; k++) {
 		const struct problem *p = &loader->problems[k];
+		n += p->message != NULL;
+		if (!out || !p->message)
+			continue;
 		fputs(p->place.file, out);
 		if (p->place.line > 0)
 			fprintf(out, ":%d", p->place.line);
 		fprintf(out, ": %s%s%s\n", p->path, *p->path ? " " : "", p->message);
 	}
+	return n;
 }
 
 /* ---- loading ---- */
@@ -262,11 +274,11 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 		snprintf(read->path, sizeof read->path, "%s", path);
 		load(loader, path, n_sets, sets);
 		sort_problems(loader);
-		print_problems(loader, errors);
+		int n = print_problems(loader, errors);
 		status = STATUS_OK;
-		if (loader->n_problems)
-			status = error_set(loader->unreadable ? STATUS_RESOURCE : STATUS_INPUT, "%s: %d error%s", path,
-							   loader->n_problems, loader->n_problems == 1 ? "" : "s");
+		if (n)
+			status = error_set(loader->unreadable ? STATUS_RESOURCE : STATUS_INPUT, "%s: %d error%s", path, n,
+							   n == 1 ? "" : "s");
 	}
 	release(loader);
 	if (status)

@@ -225,9 +225,12 @@ static void copy_number(struct assembly *a, struct reader *r, size_t length, boo
 			put(a, 'L');
 	}
 	r->at += length;
-	if (r->at < r->end && (isalnum((unsigned char)*r->at) || *r->at == '_'))
-		FATAL(a, r, "'%.*s%c' is no number, expected digits such as 1.5e-3", (int)(length < 40 ? length : 40),
-			  r->at - length, *r->at);
+	const char *rest = r->at;
+	while (r->at < r->end && (isalnum((unsigned char)*r->at) || *r->at == '_'))
+		r->at++;
+	if (r->at > rest)
+		FATAL(a, r, "'%.*s' is no number, expected digits such as 1.5e-3",
+			  (int)(r->at - rest + (length < 40 ? (long)length : 40)), rest - (length < 40 ? length : 40));
 }
 
 /* What the numbers of the array that begins here have in common. */
@@ -346,6 +349,8 @@ static void assemble(struct assembly *a, struct reader *r)
 		} else if (c == '#' || (c == '/' && r->end - r->at > 1 && (r->at[1] == '/' || r->at[1] == '*'))) {
 			skip_comment(a, r), blank = true;
 		} else if (c == '"') {
+			if (!(r->before ? strchr("=:,(\"[", r->before) != NULL : a->n_levels > 1))
+				FATAL(a, r, "a string has no meaning here, expected name = \"value\" or a comma before it");
 			copy_string(a, r);
 		} else if (c == '@') {
 			include(a, r), blank = true;

@@ -44,7 +44,7 @@ static void other_changes_are_named(void **unused)
 	const char rest[] = "time : { end = 1.0; step = 1e-4; }; gravity = [ 0.0, -9.81 ];";
 	char now[1024];
 	snprintf(now, sizeof now, "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; walls = ( { name = \"a\"; friction = 0.3; }, { name = \"b\"; } );", rest);
-	refuses(now, "walls.[0].friction: 0.5 before, 0.29999999999999999 now");
+	refuses(now, "walls.[0].friction: 0.5 before, 0.3 now");
 	snprintf(now, sizeof now, "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; walls = ( { name = \"a\"; friction = 0.5; } );", rest);
 	refuses(now, "walls.[1]: a group or list of 1 before, absent now");
 	snprintf(now, sizeof now, "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; shape = 1; }; walls = ( { name = \"a\"; friction = 0.5; }, { name = \"b\"; } );", rest);

@@ -1,0 +1,143 @@
+/* `tmdempm check`: what a run of this scene would be, without writing anything of it. */
+#include <math.h>
+#include <omp.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/mat2.h"
+#include "mpm/shape.h"
+#include "rve/rve.h"
+#include "run/run_private.h"
+
+static const double CHECK_SECONDS = 1.5; /* of measured steps */
+
+static void check_passes(const struct mpm *mpm)
+{
+	const struct scene *scene = mpm->scene;
+	printf("passes     %s shape functions, order %s, transfer %s", mpm->shape->name, scene->mpm.order, scene->mpm.transfer);
+	if (scene->mpm.pic_fraction > 0)
+		printf(" with %g PIC a step", scene->mpm.pic_fraction);
+	printf("\n           %s\n", mpm->thermal ? "heat: thermal pass on the same grid" : "no heat: no thermal pass");
+	if (mpm->thermal && scene->time.thermal_steps > 1)
+		printf("           %d thermal sub-steps in each step\n", scene->time.thermal_steps);
+	if (mpm->thermal && scene->time.thermal_every > 1)
+		printf("           one thermal step every %d steps\n", scene->time.thermal_every);
+	for (int l = 0; l < mpm->n_laws; l++)
+		printf("           law %s (%s): %d points, %.1f kB of state each\n", mpm->laws[l]->name, mpm->laws[l]->type->name,
+		       mpm->laws[l]->n_points, 1e-3 * (double)mpm->laws[l]->state_bytes);
+	if (scene->n_walls + scene->n_boundaries + scene->n_stages > 0)
+		printf("           %d walls, %d boundary values, %d stages\n", scene->n_walls, scene->n_boundaries, scene->n_stages);
+}
+
+static long check_rves(const struct mpm *mpm, int *discs)
+{
+	long n = 0;
+	*discs = 0;
+	for (int l = 0; l < mpm->n_laws; l++) {
+		const struct law *law = mpm->laws[l];
+		const struct rve_model *model;
+		const void *state;
+		if (!law->type->rve_view || law->n_points == 0 || law->type->rve_view(law, 0, &model, &state) != STATUS_OK)
+			continue;
+		n += law->n_points;
+		*discs = rve_discs(model);
+	}
+	return n;
+}
+
+static void check_sizes(const struct mpm *mpm)
+{
+	int discs;
+	long rves = check_rves(mpm, &discs);
+	printf("points     %d\nnodes      %d x %d = %d, cells of %g m\n", mpm->p.n, mpm->grid.nx, mpm->grid.ny,
+	       mpm->grid.nx * mpm->grid.ny, mpm->grid.h);
+	if (rves)
+		printf("RVEs       %ld of %d discs each\n", rves, discs);
+	else
+		printf("RVEs       none\n");
+	printf("memory     %.1f MB\n", 1e-6 * (double)mpm_memory(mpm));
+}
+
+/* The limits of eq. 30 and of explicit heat conduction, over all points as they stand. */
+static void check_step(const struct mpm *mpm)
+{
+	const struct scene *scene = mpm->scene;
+	const struct particles *p = &mpm->p;
+	double mechanical = INFINITY, thermal = INFINITY, h = mpm->grid.h;
+	int stiff = 0, conducting = 0;
+	for (int i = 0; i < p->n; i++) {
+		double density = p->mass[i] / (p->volume0[i] * mat2_determinant(p->F[i]));
+		double limit = scene->time.step_factor * h * sqrt(density / p->modulus[i]);
+		if (limit < mechanical)
+			mechanical = limit, stiff = i;
+		if (!mpm->thermal)
+			continue;
+		double k = fmax(p->conductivity[i][0], p->conductivity[i][1]);
+		limit = density * p->capacity[i] * h * h / (2 * k);
+		if (limit < thermal)
+			thermal = limit, conducting = i;
+	}
+	double thermal_step = scene->time.step * scene->time.thermal_every / (scene->time.thermal_steps > 1 ? scene->time.thermal_steps : 1);
+	printf("step       %g s, %.1f %% of the mechanical limit %.3g s\n", scene->time.step, 100 * scene->time.step / mechanical,
+	       mechanical);
+	printf("           set by point %d: P-wave modulus %.3g Pa, %g h sqrt(rho/M)\n", p->id[stiff], p->modulus[stiff],
+	       scene->time.step_factor);
+	if (isfinite(thermal))
+		printf("           thermal step %.3g s, %.1f %% of its limit %.3g s (point %d: rho c h^2 / 2k)\n", thermal_step,
+		       100 * thermal_step / thermal, thermal, p->id[conducting]);
+	if (scene->time.step > mechanical || thermal_step > thermal)
+		printf("           OVER THE LIMIT: the run would stop at once\n");
+}
+
+/* Runs the first steps in memory for a moment, then scales. */
+static int check_estimate(struct mpm *mpm, long long steps)
+{
+	double start = clock_seconds(), now = start;
+	long long done = 0;
+	while (done < steps && now - start < CHECK_SECONDS) {
+		int status = mpm_step(mpm);
+		if (status != STATUS_OK)
+			return error_context(status, "in the first steps");
+		done++;
+		now = clock_seconds();
+	}
+	if (done == 0)
+		return STATUS_OK;
+	double per_step = (now - start) / (double)done, total = per_step * (double)steps;
+	printf("time       %lld steps at %.3g ms: about %.3g s (%.1f min) with %d threads, as the first %lld steps went\n", steps,
+	       1e3 * per_step, total, total / 60, omp_get_max_threads(), done);
+	int discs;
+	if (check_rves(mpm, &discs))
+		printf("           RVEs that are sheared need more sub-steps, flying ones none: expect half to a few times that\n");
+	return STATUS_OK;
+}
+
+int run_check(const char *scene_path, int n_sets, const char *const *sets, int threads)
+{
+	struct scene *scene;
+	struct mpm *mpm = NULL;
+	if (threads > 0)
+		omp_set_num_threads(threads);
+	CHECK(scene_load(&scene, scene_path, n_sets, sets, stderr));
+	int status = images_check(scene, stderr);
+	if (status == STATUS_OK)
+		status = mpm_create(&mpm, scene);
+	if (status == STATUS_OK) {
+		printf("scene      %s%s%s\n", scene_path, scene->title[0] ? ": " : "", scene->title);
+		check_passes(mpm);
+		check_sizes(mpm);
+		check_step(mpm);
+		fflush(stdout);
+		status = check_estimate(mpm, (long long)ceil(scene->time.end / scene->time.step - 1e-6));
+	}
+	if (status == STATUS_OK)
+		printf("output     history every %g s, snapshots every %g s, checkpoints every %g s, %d probes, %d inspected RVEs, %d images\n",
+		       scene->output.history_every, scene->output.snapshot_every, scene->output.checkpoint_every, scene->n_probes,
+		       scene->n_inspect, scene->n_images);
+	if (status == STATUS_OK && scene->n_images > 0 && !viewer_program())
+		printf("           no viewer is installed: no pictures (see tmdempm info)\n");
+	mpm_free(mpm);
+	scene_free(scene);
+	return status;
+}

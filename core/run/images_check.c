@@ -1,0 +1,79 @@
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "run/run_private.h"
+
+/* What every frame carries beside the tables. */
+static const struct field frame_fields[] = {{"material", "-", 1, ""}, {"id", "-", 1, ""}};
+
+static const struct law_type *law_type_of(const struct scene_law *law)
+{
+	const char *name = law->type == SCENE_LAW_RVE ? "rve" : "thermoelastic";
+	for (int k = 0; law_types[k]; k++)
+		if (!strcmp(law_types[k]->name, name))
+			return law_types[k];
+	return NULL;
+}
+
+/* A field by its name, among the points' own and those of the laws that this scene uses. */
+static const struct field *find_field(const struct scene *scene, const char *name)
+{
+	for (int f = 0; f < particle_fields_count; f++)
+		if (!strcmp(particle_fields[f].name, name))
+			return &particle_fields[f];
+	for (int k = 0; k < scene->n_laws; k++) {
+		const struct law_type *type = law_type_of(&scene->laws[k]);
+		for (int f = 0; type && f < type->n_fields; f++)
+			if (!strcmp(type->fields[f].name, name))
+				return &type->fields[f];
+	}
+	for (size_t f = 0; f < sizeof frame_fields / sizeof *frame_fields; f++)
+		if (!strcmp(frame_fields[f].name, name))
+			return &frame_fields[f];
+	return NULL;
+}
+
+static void print_names(const struct scene *scene, FILE *errors)
+{
+	for (int f = 0; f < particle_fields_count; f++)
+		fprintf(errors, "%s%s", f ? ", " : "", particle_fields[f].name);
+	for (const struct law_type *const *type = law_types; *type; type++) {
+		bool used = false;
+		for (int k = 0; k < scene->n_laws; k++)
+			used |= law_type_of(&scene->laws[k]) == *type;
+		for (int f = 0; used && f < (*type)->n_fields; f++)
+			fprintf(errors, ", %s", (*type)->fields[f].name);
+	}
+}
+
+int images_check(const struct scene *scene, void *errors)
+{
+	int wrong = 0;
+	for (int i = 0; i < scene->n_images; i++) {
+		const struct scene_image *image = &scene->images[i];
+		if (image->kind == SCENE_IMAGE_RVE) /* checked with the scene */
+			continue;
+		const struct field *field = find_field(scene, image->field);
+		int tensor = field && field->components == 6 ? 4 : field && field->components == 3 ? 2 : 0;
+		if (field && image->component < tensor)
+			continue;
+		wrong++;
+		fprintf(errors, "%s:%d: images.[%d]", image->place.file, image->place.line, i);
+		if (field) {
+			fprintf(errors, ".component is no component of the %s %s, expected %s\n",
+					tensor == 4   ? "tensor"
+					: tensor == 2 ? "vector"
+								  : "scalar",
+					image->field,
+					tensor == 4   ? "magnitude, xx, yy, zz or xy"
+					: tensor == 2 ? "magnitude, x or y"
+								  : "magnitude");
+			continue;
+		}
+		fprintf(errors, ".field is \"%s\", expected one of ", image->field);
+		print_names(scene, errors);
+		fputc('\n', errors);
+	}
+	return wrong ? error_set(STATUS_INPUT, "%s: %d error%s", scene->path, wrong, wrong == 1 ? "" : "s") : STATUS_OK;
+}

@@ -1,0 +1,75 @@
+# timeout: 300
+"""A run that is stopped and continued is the run that was not: state, history, paths, files, bit for bit;
+and one thread computes what two do.  1000 steps + 1000 steps = 2000 steps."""
+from e2e import *
+
+# Everything that a run writes apart from times and names of this very run.
+SKIP = {"run.json", "log.txt"}
+
+
+def compare(whole, parts):
+    expect(files_below(whole) == files_below(parts), "other files: %s" % (set(files_below(whole)) ^ set(files_below(parts))))
+    for name in files_below(whole):
+        if name not in SKIP:
+            same_file(os.path.join(whole, name), os.path.join(parts, name), name)
+
+
+def continued(scene, half, end):
+    with Folder() as f:
+        cfg = f.write("s.cfg", scene)
+        tmdempm("run", cfg, "--out", f("whole"), "--until", end)
+        tmdempm("run", cfg, "--out", f("parts"), "--until", half)
+        shutil.copy(f("parts", "checkpoint.h5"), f("half.h5"))
+        tmdempm("run", cfg, "--restart", f("parts", "checkpoint.h5"), "--until", end)
+        compare(f("whole"), f("parts"))
+        expect(len(history(f("whole"))[1]) > 5, "no rows")
+
+        # from a copy, into the folder that went on meanwhile: everything after it is cut and made again
+        tmdempm("run", cfg, "--restart", f("half.h5"), "--out", f("parts"), "--until", end)
+        compare(f("whole"), f("parts"))
+
+        tmdempm("run", cfg, "--out", f("two"), "--until", end, threads=2)
+        compare(f("whole"), f("two"))
+
+        # into a new folder: the same state at the end
+        tmdempm("run", cfg, "--restart", f("half.h5"), "--out", f("new"), "--until", end)
+        same_file(f("whole", "checkpoint.h5"), f("new", "checkpoint.h5"), "checkpoints")
+
+
+def threads():
+    """Enough points for every pass to be shared out; heat, a wall that moves and friction."""
+    with Folder() as f:
+        cfg = f.write("s.cfg", BLOCK.replace("cell = 0.1", "cell = 0.0125").replace("step = 1e-4", "step = 5e-5")
+                      + "output = { history_every = 0.0005; snapshot_every = 0.005; };")
+        for n in (1, 2, 4):
+            tmdempm("run", cfg, "--out", f("t%d" % n), "--until", 0.01, threads=n)
+        compare(f("t1"), f("t2"))
+        compare(f("t1"), f("t4"))
+
+
+def refused():
+    with Folder() as f:
+        cfg = f.write("s.cfg", BLOCK)
+        tmdempm("run", cfg, "--out", f("out"), "--until", 0.01)
+        checkpoint = f("out", "checkpoint.h5")
+        before = files_below(f("out"))
+        said = tmdempm("run", cfg, "--restart", checkpoint, "--set", "walls.[0].friction=0.3", code=2).stderr
+        expect("walls.[0].friction: 0.5 before, 0.3" in said, said)
+        said = tmdempm("run", cfg, "--restart", f("s.cfg"), "--out", f("out"), code=2).stderr
+        expect("is not an HDF5 file" in said, said)
+        said = tmdempm("run", cfg, "--restart", f("out", "snap", "00000000.h5"), "--out", f("out"), code=2).stderr
+        expect("is not a checkpoint" in said, said)
+        said = tmdempm("run", cfg, "--restart", f("nothing.h5"), "--out", f("out"), code=4).stderr
+        expect("No such file" in said, said)
+        said = tmdempm("run", cfg, "--restart", checkpoint, "--until", 0.001, code=2).stderr
+        expect("after the end" in said, said)
+        expect(files_below(f("out")) == before, "a refused restart has written")
+        # what may change: end, output
+        tmdempm("run", cfg, "--restart", checkpoint, "--set", "time.end=0.02", "--set", "output.vtk=false")
+
+
+# the half lies on a snapshot but between two rows: the row at its end is written again
+continued(BLOCK + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.1, 0.2)
+continued(COLUMN.replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), 0.03, 0.06)
+threads()
+refused()

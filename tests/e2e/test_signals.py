@@ -1,0 +1,77 @@
+# timeout: 120
+"""SIGINT and SIGTERM finish the step, save and leave; SIGUSR1 saves a checkpoint and goes on; a guard stops a
+run with its reason and a checkpoint."""
+import json
+import signal
+import time
+from e2e import *
+
+
+def started(cfg, out):
+    """A run that is certainly in its loop."""
+    run = subprocess.Popen([TMDEMPM, "run", cfg, "--out", out, "--threads", "1", "--set", "time.end=1000",
+                            "--set", "output.history_every=0.01", "--set", "output.snapshot_every=0"],
+                           env=environment(), stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    wait(lambda: os.path.exists(os.path.join(out, "history.csv")) and len(history(out)[1]) > 2, run)
+    return run
+
+
+def wait(condition, run):
+    for _ in range(600):
+        if condition():
+            return
+        expect(run.poll() is None, "the run has ended")
+        time.sleep(0.05)
+    sys.exit("FAILED: waited for 30 s")
+
+
+def stopped(f, cfg, number, name):
+    out = f(name)
+    run = started(cfg, out)
+    run.send_signal(number)
+    said = run.communicate(timeout=30)[1]
+    expect(run.returncode == 130, "%s ends with %d" % (name, run.returncode))
+    expect("interrupted at step" in said and "--restart" in said, said)
+    with open(os.path.join(out, "run.json"), encoding="utf-8") as stream:
+        state = json.load(stream)
+    expect(state["state"] == "interrupted" and state["step"] > 0, str(state["state"]))
+    end = (state["step"] + 50) * 1e-4
+    tmdempm("run", cfg, "--restart", os.path.join(out, "checkpoint.h5"), "--set", "time.end=1000", "--set",
+            "output.history_every=0.01", "--set", "output.snapshot_every=0", "--until", end)
+    with open(os.path.join(out, "run.json"), encoding="utf-8") as stream:
+        expect(json.load(stream)["step"] == state["step"] + 50, "the restart went elsewhere")
+
+
+def saved(f, cfg):
+    out = f("user")
+    checkpoint = os.path.join(out, "checkpoint.h5")
+    run = started(cfg, out)
+    expect(not os.path.exists(checkpoint), "there is a checkpoint already")
+    run.send_signal(signal.SIGUSR1)
+    wait(lambda: os.path.exists(checkpoint), run)
+    rows = len(history(out)[1])
+    wait(lambda: len(history(out)[1]) > rows + 2, run)
+    run.send_signal(signal.SIGTERM)
+    run.communicate(timeout=30)
+    expect(run.returncode == 130, "SIGTERM ends with %d" % run.returncode)
+
+
+def guarded(f, cfg):
+    """The block flies sideways out of the grid."""
+    out = f("guard")
+    said = tmdempm("run", cfg, "--out", out, "--set", "time.end=10", "--set", "gravity.[0]=50", "--set",
+                   "walls.[0].friction=0", code=3).stderr
+    for word in ("step", "point", "grid"):
+        expect(word in said, "`%s` is not in: %s" % (word, said))
+    expect(os.path.exists(os.path.join(out, "checkpoint.h5")), "no checkpoint")
+    with open(os.path.join(out, "run.json"), encoding="utf-8") as stream:
+        report = json.load(stream)
+    expect(report["state"] == "guard" and "grid" in report["reason"], str(report))
+
+
+with Folder() as f:
+    cfg = f.write("s.cfg", BLOCK)
+    stopped(f, cfg, signal.SIGINT, "int")
+    stopped(f, cfg, signal.SIGTERM, "term")
+    saved(f, cfg)
+    guarded(f, cfg)
