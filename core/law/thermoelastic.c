@@ -131,7 +131,7 @@ static int run_batch(const struct law *law, struct law_batch *batch, double time
 {
 	const struct model *m = law->model;
 	int failed = batch->n;
-#pragma omp parallel for schedule(static) reduction(min : failed)
+#pragma omp parallel for schedule(static) reduction(min : failed) if (batch->n >= 4096)
 	for (int k = 0; k < batch->n; k++) {
 		struct state *s = state_of(law, batch->slot[k]);
 		double warming = s->warming + (time > 0.0 ? batch->dT[k] : 0.0), elastic = 0.0;

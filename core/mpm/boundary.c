@@ -62,6 +62,9 @@ static void rebuild(struct mpm *mpm)
 	for (int b = 0; b < mpm->scene->n_boundaries; b++)
 		if (w->boundary_on[b])
 			impose(mpm, &mpm->scene->boundaries[b]);
+	w->imposes_T = false;
+	for (size_t k = 0; w->fixed_T && k < nodes; k++)
+		w->imposes_T = w->imposes_T || !isnan(w->fixed_T[k]);
 }
 
 void boundaries_update(struct mpm *mpm)
@@ -99,8 +102,9 @@ int boundaries_create(struct mpm *mpm)
 	if (mpm->thermal) {
 		w->fixed_T = calloc(nodes, sizeof *w->fixed_T);
 		w->fixed_T_wall = calloc(nodes, sizeof *w->fixed_T_wall);
+		w->fixed_lift = calloc(nodes, sizeof *w->fixed_lift);
 		w->fixed_heat = calloc(nodes, sizeof *w->fixed_heat);
-		complete = complete && w->fixed_T && w->fixed_T_wall && w->fixed_heat;
+		complete = complete && w->fixed_T && w->fixed_T_wall && w->fixed_lift && w->fixed_heat;
 	}
 	w->boundaries_stale = true;
 	return complete ? STATUS_OK
@@ -116,5 +120,6 @@ void boundaries_free(struct mpm *mpm)
 	free(w->fixed_push);
 	free(w->fixed_T);
 	free(w->fixed_T_wall);
+	free(w->fixed_lift);
 	free(w->fixed_heat);
 }

@@ -2,6 +2,7 @@
 #include "mpm/mpm.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -54,7 +55,7 @@ static int advance_laws(struct mpm *mpm)
 static void collect_heat(struct mpm *mpm)
 {
 	struct particles *p = &mpm->p;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int k = 0; k < p->n; k++)
 		p->heat_pending[k] += p->heat[k] * mat2_determinant(p->F[k]) * p->volume0[k] * mpm->dt;
 }
@@ -200,9 +201,10 @@ static int create_laws(struct mpm *mpm, int n, const struct birth *births)
 	const struct scene *scene = mpm->scene;
 	mpm->laws = calloc((size_t)scene->n_laws + 1, sizeof *mpm->laws);
 	w->law_start = calloc((size_t)scene->n_laws + 2, sizeof *w->law_start);
+	w->law_names = calloc((size_t)scene->n_laws + 1, sizeof *w->law_names);
 	w->law_of_scene = malloc(((size_t)scene->n_laws + 1) * sizeof *w->law_of_scene);
 	int *variant = malloc(((size_t)n + 1) * sizeof *variant);
-	int status = mpm->laws && w->law_start && w->law_of_scene && variant
+	int status = mpm->laws && w->law_start && w->law_names && w->law_of_scene && variant
 					 ? STATUS_OK
 					 : error_set(STATUS_RESOURCE, "out of memory for laws");
 	for (int s = 0; s < scene->n_laws && status == STATUS_OK; s++) {
@@ -214,12 +216,11 @@ static int create_laws(struct mpm *mpm, int n, const struct birth *births)
 		if (count == 0)
 			continue;
 		status = law_create(&mpm->laws[mpm->n_laws], &scene->laws[s], count, variant);
-		if (status == STATUS_OK)
-			mpm->n_laws++, w->law_start[mpm->n_laws] = w->law_start[mpm->n_laws - 1] + count;
-		else
-			error_context(status, "%s:%d: law '%s'",
-						  scene->laws[s].place.file ? scene->laws[s].place.file : scene->path,
-						  scene->laws[s].place.line, scene->laws[s].name);
+		if (status != STATUS_OK)
+			break;
+		snprintf(w->law_names[mpm->n_laws], sizeof *w->law_names, "laws/%s", scene->laws[s].name);
+		mpm->n_laws++;
+		w->law_start[mpm->n_laws] = w->law_start[mpm->n_laws - 1] + count;
 	}
 	free(variant);
 	return status;
@@ -402,9 +403,9 @@ void mpm_free(struct mpm *mpm)
 	if (w) {
 		walls_free(mpm);
 		boundaries_free(mpm);
-		void *private[] = {w->half,       w->law_start,   w->law_of_scene, w->conductivity, w->cell,        w->order,
-						   w->cell_first, w->row_low,     w->row_high,     w->scratch,      w->permutation, w->sums,
-						   w->confining,  w->stripe_sums, w->block_sums,   w->row_sums,     w->heat_sums};
+		void *private[] = {w->half,  w->law_start,  w->law_names,   w->law_of_scene, w->conductivity, w->cell,
+						   w->order, w->cell_first, w->row_low,     w->row_high,     w->scratch,      w->permutation,
+						   w->sums,  w->confining,  w->stripe_sums, w->block_sums,   w->row_sums,     w->heat_sums};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);
@@ -451,7 +452,7 @@ int mpm_state(struct mpm *mpm, struct mpm_state_array *arrays)
 	size_t walls = (size_t)mpm->scene->n_walls;
 	int n = particles_state(&mpm->p, arrays, 0);
 	for (int l = 0; l < mpm->n_laws; l++)
-		n = add_array(arrays, n, mpm->laws[l]->name, mpm->laws[l]->states, 'b',
+		n = add_array(arrays, n, w->law_names[l], mpm->laws[l]->states, 'b',
 					  (size_t)mpm->laws[l]->n_points * mpm->laws[l]->state_bytes);
 	n = add_array(arrays, n, "mpm/step", &mpm->step, 'q', 1);
 	n = add_array(arrays, n, "mpm/time", &mpm->time, 'd', 1);

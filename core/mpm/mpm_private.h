@@ -11,11 +11,12 @@
 #include "mpm/shape.h"
 
 enum {
-	STRIPE_ROWS = 4,    /* rows of grid cells; more than 2 reach + 1, so that equal parities never meet */
-	BLOCK_POINTS = 256, /* points in one piece of the way back from the grid */
-	RESORT_STEPS = 64,  /* storage follows the order by cells every so many steps, counted from step 0 */
-	GHOST_CELLS = 1,    /* grid cells beyond the scene's box, for domains that reach over its edge */
-	WALL_SWEEPS = 4     /* over the walls of a node that feels several */
+	STRIPE_ROWS = 4,       /* rows of grid cells; more than 2 reach + 1, so that equal parities never meet */
+	BLOCK_POINTS = 256,    /* points in one piece of the way back from the grid */
+	RESORT_STEPS = 64,     /* storage follows the order by cells every so many steps, counted from step 0 */
+	GHOST_CELLS = 1,       /* grid cells beyond the scene's box, for domains that reach over its edge */
+	WALL_SWEEPS = 4,       /* over the walls of a node that feels several */
+	PARALLEL_POINTS = 4096 /* below this a pass is too short to wake other threads for it */
 };
 
 /* What points add to a node; one cache line. */
@@ -34,6 +35,7 @@ struct stripe_sum {
 	double diffusivity;           /* max of k / (rho c), m2/s */
 	int stiffest, most_diffusive; /* storage index, -1 = none */
 	int bad;                      /* storage index of the first point with a non-finite stress, -1 */
+	double power;                 /* W, sum V sigma : L with the L of the step before */
 	double heat_given;            /* J, of the laws */
 	double heat_flux;             /* J, through boundaries with a given flux */
 };
@@ -50,6 +52,7 @@ struct block_sum {
 /* Partial results of one row of nodes. */
 struct row_sum {
 	double increment;                    /* sum m |dv|^2, J */
+	double power;                        /* W, of the internal forces on the velocities before the step, - sum f.v */
 	double gravity, confining;           /* J, work of gravity and of the confining pressure */
 	double velocity_work, velocity_loss; /* J, of imposed velocities */
 };
@@ -90,10 +93,11 @@ struct mpm_sums {
 
 struct mpm_work {
 	struct shape_grid shape_grid;
-	double *half;         /* by body: half a point's domain over h */
-	int *law_start;       /* n_laws + 1: the points of law l are stored from law_start[l] on */
-	int *law_of_scene;    /* scene law -> index in mpm->laws, -1 = has no points */
-	double *conductivity; /* by material: W/(m K), NAN = from the law */
+	double *half;                      /* by body: half a point's domain over h */
+	int *law_start;                    /* n_laws + 1: the points of law l are stored from law_start[l] on */
+	char (*law_names)[SCENE_NAME + 8]; /* "laws/NAME", of the states in the checkpoint */
+	int *law_of_scene;                 /* scene law -> index in mpm->laws, -1 = has no points */
+	double *conductivity;              /* by material: W/(m K), NAN = from the law */
 
 	/* order by cells */
 	int cells_x, cells_y;
@@ -110,7 +114,9 @@ struct mpm_work {
 	double (*confining)[2];  /* m2: sum V grad w; NULL without confining pressure */
 	double *wall_heat;       /* J, by node: wall friction heat that waits for the thermal step; NULL = none */
 	double *fixed_T;         /* K, by node: imposed temperature, NAN = free; NULL without heat */
+	bool imposes_T;          /* some node has an imposed temperature */
 	int *fixed_T_wall;       /* by node: the wall that imposes it, -1 = a boundary */
+	double *fixed_lift;      /* J, by node: sum m c w grad T.(x_I - x_p) where the temperature is imposed */
 	double *fixed_heat;      /* J, by node: heat that the imposed temperature cost in this step */
 	double (*fixed_v)[2];    /* m/s, by node: imposed velocity, NAN = free; NULL = none */
 	double (*fixed_push)[2]; /* kg m/s, by node: what imposing it cost in this step */
@@ -138,6 +144,7 @@ struct mpm_work {
 };
 
 static inline struct mpm_work *mpm_work(const struct mpm *mpm) { return mpm->work; }
+static inline bool mpm_parallel(const struct mpm *mpm) { return mpm->p.n >= PARALLEL_POINTS; }
 
 /* ---- particles.c ---- */
 int particles_create(struct particles *p, int n);

@@ -1,12 +1,16 @@
 /* The thermal pass: heat from the points to the nodes, conduction, sources and imposed temperatures there.
  *
- * The sum of all flows is that of the sources (gradients add up to zero), so heat is conserved to round-off. */
+ * The sum of all flows is that of the sources (gradients add up to zero), so heat is conserved to round-off.
+ *
+ * Where a node's temperature is imposed, its points are drawn towards it by the difference from what they
+ * carry.  That is read off by T_p + grad T.(x_I - x_p), not by the plain mean: the points of a boundary node
+ * all lie on one side of it, and their mean would be wrong by the slope times the distance to their centre. */
 #include <math.h>
 
 #include "base/mat2.h"
 #include "mpm/mpm_private.h"
 
-/* Remapped temperature; imposed values replace it before heat flows, and what that costs is booked. */
+/* Remapped temperature; imposed values replace it before heat flows. */
 static void begin_row(struct mpm *mpm, struct mpm_work *w, int j)
 {
 	struct grid *grid = &mpm->grid;
@@ -15,11 +19,9 @@ static void begin_row(struct mpm *mpm, struct mpm_work *w, int j)
 		double capacity = w->sums[node].capacity, T = capacity > 0.0 ? w->sums[node].heat / capacity : 0.0;
 		grid->heat_capacity[node] = capacity;
 		grid->T[node] = grid->T_new[node] = T;
-		w->fixed_heat[node] = 0.0;
-		if (capacity > 0.0 && !isnan(w->fixed_T[node])) {
-			w->fixed_heat[node] = capacity * (w->fixed_T[node] - T);
+		w->fixed_heat[node] = w->fixed_lift[node] = 0.0;
+		if (capacity > 0.0 && !isnan(w->fixed_T[node]))
 			grid->T_new[node] = w->fixed_T[node];
-		}
 	}
 }
 
@@ -51,6 +53,11 @@ static struct heat_sum end_row(struct mpm *mpm, struct mpm_work *w, int j)
 	struct heat_sum sum = {0};
 	for (int i = w->row_low[j]; i <= w->row_high[j]; i++) {
 		size_t node = (size_t)j * (size_t)mpm->grid.nx + (size_t)i;
+		double capacity = w->sums[node].capacity;
+		if (capacity > 0.0 && !isnan(w->fixed_T[node])) {
+			mpm->grid.T[node] += w->fixed_lift[node] / capacity;
+			w->fixed_heat[node] += capacity * (w->fixed_T[node] - mpm->grid.T[node]);
+		}
 		double heat = w->fixed_heat[node];
 		sum.in += heat > 0.0 ? heat : 0.0;
 		sum.out -= heat < 0.0 ? heat : 0.0;
@@ -75,10 +82,26 @@ static double flux_density(const struct mpm *mpm, const struct mpm_work *w, cons
 	return sum;
 }
 
+/* What the slope of the temperature says of imposed nodes from where the point is. */
+static void lift_point(const struct mpm *mpm, struct mpm_work *w, const struct shape_lists *lists, int at, int p,
+					   int nodes, double gx, double gy)
+{
+	const struct grid *grid = &mpm->grid;
+	double capacity = mpm->p.mass[p] * mpm->p.capacity[p];
+	for (int a = 0; a < nodes; a++) {
+		int node = lists->node[at + a];
+		if (isnan(w->fixed_T[node]))
+			continue;
+		double x = grid->origin[0] + node % grid->nx * grid->h, y = grid->origin[1] + node / grid->nx * grid->h;
+		w->fixed_lift[node] +=
+			capacity * lists->weight[at + a] * (gx * (x - mpm->p.x[p][0]) + gy * (y - mpm->p.x[p][1]));
+	}
+}
+
 /* Heat flow q = -k grad T of one point and its sources, to its nodes. */
 static inline __attribute__((always_inline)) void scatter_flow(const struct mpm *mpm, struct mpm_work *w,
 															   const struct shape_lists *lists, int at, int p,
-															   int nodes, double source)
+															   int nodes, double source, bool first_pass)
 {
 	const struct particles *points = &mpm->p;
 	double gx = 0.0, gy = 0.0;
@@ -95,10 +118,12 @@ static inline __attribute__((always_inline)) void scatter_flow(const struct mpm 
 	for (int a = 0; a < nodes; a++)
 		w->sums[lists->node[at + a]].flow +=
 			lists->grad_x[at + a] * qx + lists->grad_y[at + a] * qy + lists->weight[at + a] * source;
+	if (first_pass && w->imposes_T)
+		lift_point(mpm, w, lists, at, p, nodes, gx, gy);
 }
 
 static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, struct mpm_work *w, int stripe,
-															  int nodes, double dt, bool last_pass)
+															  int nodes, double dt, bool first_pass, bool last_pass)
 {
 	struct shape_lists lists;
 	struct particles *points = &mpm->p;
@@ -116,7 +141,7 @@ static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, s
 				sum->heat_flux += flux * dt;
 				source += flux;
 			}
-			scatter_flow(mpm, w, &lists, k * nodes, p, nodes, source);
+			scatter_flow(mpm, w, &lists, k * nodes, p, nodes, source, first_pass);
 			if (last_pass) {
 				sum->heat_given += points->heat_pending[p];
 				points->heat_friction_sum[p] += points->heat_pending[p] / points->volume0[p];
@@ -126,16 +151,16 @@ static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, s
 	}
 }
 
-static void scatter_flows(struct mpm *mpm, struct mpm_work *w, double dt, bool last_pass)
+static void scatter_flows(struct mpm *mpm, struct mpm_work *w, double dt, bool first_pass, bool last_pass)
 {
 	int nodes = mpm->shape->max_nodes;
 	for (int parity = 0; parity < 2; parity++) {
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))
 		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
 			if (nodes == 9)
-				flow_stripe(mpm, w, stripe, 9, dt, last_pass);
+				flow_stripe(mpm, w, stripe, 9, dt, first_pass, last_pass);
 			else
-				flow_stripe(mpm, w, stripe, nodes, dt, last_pass);
+				flow_stripe(mpm, w, stripe, nodes, dt, first_pass, last_pass);
 	}
 }
 
@@ -144,19 +169,19 @@ void mpm_heat_nodes(struct mpm *mpm)
 	struct mpm_work *w = mpm_work(mpm);
 	int passes = mpm->scene->time.thermal_steps, ny = mpm->grid.ny;
 	double dt = w->thermal_dt / passes;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < ny; j++)
 		begin_row(mpm, w, j);
 	for (int pass = 0; pass < passes; pass++) {
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 		for (int j = 0; j < ny; j++)
 			source_row(mpm, w, j);
-		scatter_flows(mpm, w, dt, pass == passes - 1);
-#pragma omp parallel for schedule(static)
+		scatter_flows(mpm, w, dt, pass == 0, pass == passes - 1);
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 		for (int j = 0; j < ny; j++)
 			advance_row(mpm, w, j, dt);
 	}
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < ny; j++)
 		w->heat_sums[j] = end_row(mpm, w, j);
 }

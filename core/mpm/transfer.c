@@ -13,7 +13,7 @@ void mpm_clear_grid(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	int nx = mpm->grid.nx, ny = mpm->grid.ny;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < ny; j++) {
 		int low = w->row_low[j], n = w->row_high[j] - low + 1;
 		memset(mpm->grid.mass + (size_t)j * (size_t)nx, 0, (size_t)nx * sizeof *mpm->grid.mass);
@@ -56,11 +56,13 @@ INLINE void scatter_point(const struct mpm *mpm, struct mpm_work *w, const struc
 	}
 }
 
-/* What bounds the step, and whether the state is sound. */
+/* What bounds the step, whether the state is sound, and the power of the stress. */
 INLINE void check_point(const struct mpm *mpm, struct stripe_sum *sum, int p, double volume)
 {
 	const struct particles *points = &mpm->p;
+	const double *s = points->stress[p], *L = points->L[p];
 	double stiffness = points->modulus[p] * volume / points->mass[p];
+	sum->power += volume * (s[0] * L[0] + s[3] * (L[1] + L[2]) + s[1] * L[3]);
 	if (stiffness > sum->stiffness)
 		sum->stiffness = stiffness, sum->stiffest = p;
 	if (!(finite4(points->stress[p]) && isfinite(stiffness)) && sum->bad < 0)
@@ -127,7 +129,7 @@ void mpm_points_to_grid(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	for (int parity = 0; parity < 2; parity++) {
-#pragma omp parallel for schedule(dynamic)
+#pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))
 		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
 			scatter_stripe_any(mpm, w, stripe);
 	}
@@ -179,13 +181,13 @@ static void impose_velocities(struct mpm *mpm, struct mpm_work *w, int j)
 void mpm_integrate_nodes(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < mpm->grid.ny; j++)
 		integrate_row(mpm, w, j);
 	walls_apply(mpm);
 	if (!w->fixed_v)
 		return;
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < mpm->grid.ny; j++)
 		impose_velocities(mpm, w, j);
 }
@@ -202,6 +204,7 @@ static struct row_sum finish_row(const struct mpm *mpm, const struct mpm_work *w
 		for (int c = 0; c < 2; c++) {
 			double dv = grid->v_new[node][c] - grid->v[node][c], mean = 0.5 * (grid->v_new[node][c] + grid->v[node][c]);
 			sum.increment += grid->mass[node] * dv * dv;
+			sum.power -= w->sums[node].force[c] * grid->v[node][c];
 			sum.gravity += grid->mass[node] * g[c] * mean * mpm->dt;
 			if (w->confining && grid->mass[node] > 0.0)
 				sum.confining -= confining * w->confining[node][c] * mean * mpm->dt;
@@ -217,7 +220,7 @@ static struct row_sum finish_row(const struct mpm *mpm, const struct mpm_work *w
 void mpm_finish_nodes(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < mpm->grid.ny; j++)
 		w->row_sums[j] = finish_row(mpm, w, j);
 	walls_account(mpm);
@@ -367,7 +370,7 @@ static void gather_block_any(struct mpm *mpm, struct mpm_work *w, int block)
 void mpm_grid_to_points(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int block = 0; block < w->n_blocks; block++)
 		gather_block_any(mpm, w, block);
 }

@@ -275,7 +275,7 @@ static void contact_act(const struct scene_wall *s, const struct wall_node *cont
 void walls_apply(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int g = 0; g < w->n_wall_groups; g++) {
 		int first = w->wall_group[g], last = w->wall_group[g + 1], node = w->wall_nodes[first].node;
 		memset(w->wall_effects + first, 0, (size_t)(last - first) * sizeof *w->wall_effects);
@@ -313,7 +313,7 @@ static void contact_account(struct mpm *mpm, struct mpm_work *w, int e)
 void walls_account(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int g = 0; g < w->n_wall_groups; g++)
 		for (int e = w->wall_group[g]; e < w->wall_group[g + 1]; e++)
 			contact_account(mpm, w, e);

@@ -1,0 +1,363 @@
+/* Same bits for any number of threads and across a restart; every guard fires and says why. */
+#include <math.h>
+#include <omp.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "../common/elastic_scene.h"
+#include "../common/near.h"
+#include "base/error.h"
+#include "mpm/mpm.h"
+#include "mpm/mpm_private.h"
+
+static void ok(int status)
+{
+	if (status != STATUS_OK)
+		print_error("status %d: %s\n", status, error_message());
+	assert_int_equal(status, STATUS_OK);
+}
+
+static struct mpm *start(const struct scene *scene)
+{
+	struct mpm *mpm;
+	ok(mpm_create(&mpm, scene));
+	return mpm;
+}
+
+static void steps(struct mpm *mpm, int n)
+{
+	for (int k = 0; k < n; k++)
+		ok(mpm_step(mpm));
+}
+
+/* Everything at once: two laws, heat, walls of all kinds, a moving one, stages, damping; big enough for threads. */
+static struct scene *everything(struct elastic_scene *s)
+{
+	struct scene *scene = elastic_scene_init(s, 60, 48, 0.05, 1e6, 0.3, 1000.0, 2e-4);
+	scene->n_laws = scene->n_materials = 2;
+	s->laws[1].thermoelastic.young = 2e6;
+	scene->gravity[1] = -9.81;
+	scene->mpm.pic_fraction = 0.01;
+	scene->mpm.damping_grid = 0.1;
+	elastic_scene_heat(s, 1e-5, 1.0, 300.0);
+	scene->time.thermal_every = 2;
+	elastic_scene_box(s, 9, 0.3, 0.15, 1.7, 1.0)->temperature = 300.0;
+	struct scene_body *ball = elastic_scene_box(s, 4, 0.8, 1.1, 1.4, 1.5);
+	ball->material = 1, ball->velocity[0] = 2.0, ball->velocity[1] = -1.5, ball->temperature = 350.0;
+	struct scene_wall *floor = elastic_scene_line(s, 0.0, 0.15, 3.0, 0.15);
+	floor->friction = 0.5, floor->heat_share = 0.5;
+	const double wedge[] = {1.9, 0.15, 2.9, 0.15, 2.9, 1.15};
+	elastic_scene_wall(s, SCENE_WALL_POLYGON, 3, wedge)->friction = 0.3;
+	struct scene_wall *plate = elastic_scene_line(s, 0.25, 0.1, 0.25, 1.2);
+	plate->vertices[0][1] = 1.2, plate->vertices[1][1] = 0.1;
+	plate->velocity[0] = 0.2, plate->temperature = 320.0;
+	s->stages[0] = (struct scene_stage){.duration = 0.012, .damping = 5.0, .n_walls = -1, .then_zero_velocity = false};
+	s->stages[1] = (struct scene_stage){.duration = INFINITY, .n_walls = -1};
+	scene->n_stages = 2;
+	return scene;
+}
+
+struct saved {
+	int n;
+	struct mpm_state_array arrays[64];
+	void *data[64];
+	char names[64][96];
+};
+
+static size_t bytes_of(const struct mpm_state_array *a)
+{
+	return a->count * (a->type == 'i' ? sizeof(int) : a->type == 'b' ? 1 : 8);
+}
+
+static void save(struct mpm *mpm, struct saved *saved)
+{
+	saved->n = mpm_state(mpm, NULL);
+	assert_true(saved->n <= 64);
+	mpm_state(mpm, saved->arrays);
+	for (int a = 0; a < saved->n; a++) {
+		snprintf(saved->names[a], sizeof saved->names[a], "%s", saved->arrays[a].name);
+		saved->data[a] = malloc(bytes_of(&saved->arrays[a]) + 1);
+		memcpy(saved->data[a], saved->arrays[a].data, bytes_of(&saved->arrays[a]));
+	}
+}
+
+static void load(struct mpm *mpm, const struct saved *saved)
+{
+	struct mpm_state_array arrays[64];
+	assert_int_equal(mpm_state(mpm, arrays), saved->n);
+	for (int a = 0; a < saved->n; a++) {
+		assert_string_equal(arrays[a].name, saved->names[a]);
+		memcpy(arrays[a].data, saved->data[a], bytes_of(&arrays[a]));
+	}
+	ok(mpm_restored(mpm));
+}
+
+static void assert_same(struct mpm *mpm, const struct saved *saved)
+{
+	struct mpm_state_array arrays[64];
+	assert_int_equal(mpm_state(mpm, arrays), saved->n);
+	for (int a = 0; a < saved->n; a++)
+		if (memcmp(arrays[a].data, saved->data[a], bytes_of(&arrays[a])))
+			fail_msg("%s differs", arrays[a].name);
+}
+
+static void discard(struct saved *saved)
+{
+	for (int a = 0; a < saved->n; a++)
+		free(saved->data[a]);
+}
+
+static void test_threads(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct scene *scene = everything(&s);
+	struct saved one;
+	const int threads[3] = {1, 2, 4};
+	for (int k = 0; k < 3; k++) {
+		omp_set_num_threads(threads[k]);
+		struct mpm *mpm = start(scene);
+		assert_true(mpm_parallel(mpm));
+		steps(mpm, 150);
+		mpm_measure(mpm);
+		if (k == 0)
+			save(mpm, &one);
+		else
+			assert_same(mpm, &one);
+		mpm_free(mpm);
+	}
+	omp_set_num_threads(1);
+	discard(&one);
+}
+
+/* 90 + restart + 90 = 180 steps, across a change of stage, a re-sort and an odd thermal step. */
+static void test_restart(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct scene *scene = everything(&s);
+	struct saved half, whole;
+	struct mpm *mpm = start(scene);
+	steps(mpm, 91);
+	mpm_measure(mpm);
+	save(mpm, &half);
+	steps(mpm, 89);
+	save(mpm, &whole);
+	mpm_free(mpm);
+	mpm = start(scene);
+	load(mpm, &half);
+	assert_same(mpm, &half);
+	steps(mpm, 89);
+	assert_same(mpm, &whole);
+	assert_int_equal(mpm->stage, 1);
+	mpm_free(mpm);
+	discard(&half);
+	discard(&whole);
+}
+
+static void assert_says(const char *what)
+{
+	if (!strstr(error_message(), what))
+		fail_msg("\"%s\" does not say \"%s\"", error_message(), what);
+}
+
+static struct scene *falling_block(struct elastic_scene *s, double young)
+{
+	struct scene *scene = elastic_scene_init(s, 20, 20, 0.1, young, 0.2, 1000.0, 1e-3);
+	scene->gravity[1] = -9.81;
+	elastic_scene_box(s, 4, 0.5, 0.4, 1.2, 1.0);
+	elastic_scene_line(s, 0.0, 0.3, 2.0, 0.3)->friction = 0.2;
+	return scene;
+}
+
+static void test_step_limit(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct scene *scene = falling_block(&s, 1e6);
+	struct mpm *mpm = start(scene);
+	steps(mpm, 10);
+	double limit = 0.1 * sqrt(1000.0 / (1e6 * 0.8 / (1.2 * 0.6)));
+	assert_near(mpm->stable_step, limit, 1e-3 * limit);
+	scene->time.step = 1.01 * mpm->stable_step;
+	assert_int_equal(mpm_step(mpm), STATUS_GUARD);
+	assert_says("step 10, t = ");
+	assert_says("above the limit");
+	assert_says("cure: ");
+	mpm_free(mpm);
+	/* a scene that begins over the limit is wrong from the start */
+	assert_int_equal(mpm_create(&mpm, scene), STATUS_INPUT);
+	assert_null(mpm);
+	/* the factor of eq. 30 shifts the limit */
+	scene->time.step_factor = 1.1;
+	ok(mpm_create(&mpm, scene));
+	mpm_free(mpm);
+}
+
+static void test_thermal_limit(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct scene *scene = falling_block(&s, 1e6);
+	elastic_scene_heat(&s, 0.0, 1.0, 6000.0); /* rho c h^2/2k = 0.83 ms */
+	struct mpm *mpm;
+	assert_int_equal(mpm_create(&mpm, scene), STATUS_INPUT);
+	assert_says("heat conduction");
+	scene->time.thermal_steps = 2;
+	ok(mpm_create(&mpm, scene));
+	steps(mpm, 20);
+	mpm_free(mpm);
+}
+
+static void test_leaving(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct scene *scene = falling_block(&s, 1e6);
+	scene->n_walls = 0;
+	struct mpm *mpm = start(scene);
+	int status = STATUS_OK;
+	for (int k = 0; k < 1000 && status == STATUS_OK; k++)
+		status = mpm_step(mpm);
+	assert_int_equal(status, STATUS_GUARD);
+	assert_says("left the grid");
+	assert_near(mpm->time, sqrt(2.0 * 0.425 / 9.81), 2e-3);
+	mpm_free(mpm);
+	/* or they are parked, and the rest goes on, until all are gone */
+	scene->guards.points_leaving = false;
+	mpm = start(scene);
+	double energy = 0.0;
+	steps(mpm, 1000);
+	mpm_measure(mpm);
+	for (int k = 0; k < mpm->p.n; k++) {
+		assert_true(mpm->p.x[k][1] < 0.0);
+		assert_near(mpm->p.v[k][1], 0.0, 0.0);
+		energy += mpm->p.mass[k] * 9.81 * (mpm->p.x0[k][1] - mpm->p.x[k][1]);
+	}
+	assert_near(mpm->ledger.energy_discarded, energy, 0.02 * energy);
+	mpm_free(mpm);
+}
+
+static void test_not_a_number(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct mpm *mpm = start(falling_block(&s, 1e6));
+	steps(mpm, 5);
+	mpm->p.stress[mpm_point_by_id(mpm, 17)][1] = NAN;
+	assert_int_equal(mpm_step(mpm), STATUS_GUARD);
+	assert_says("point 17 at");
+	assert_says("not a number");
+	mpm_free(mpm);
+	mpm = start(falling_block(&s, 1e6));
+	mpm->p.v[mpm_point_by_id(mpm, 17)][1] = NAN;
+	assert_int_equal(mpm_step(mpm), STATUS_GUARD);
+	assert_says("not a number");
+	mpm_free(mpm);
+}
+
+/* A point that is turned inside out: the law's guard comes with the point's name. */
+static void test_law_guard(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct mpm *mpm = start(falling_block(&s, 1e6));
+	int point = mpm_point_by_id(mpm, 23);
+	mpm->p.F[point][0] = -1.0, mpm->p.modulus[point] = 0.0;
+	for (int c = 0; c < 4; c++)
+		mpm->p.stress[point][c] = 0.0;
+	assert_int_equal(mpm_step(mpm), STATUS_GUARD);
+	assert_says("point 23 at");
+	assert_says("inside out");
+	mpm_free(mpm);
+}
+
+/* The ledger of a block that falls on a floor, slides and bounces closes; with 1% too much internal force it does not,
+ * and the run stops. */
+static void test_planted_error(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct scene *scene = falling_block(&s, 1e5);
+	s.bodies[0].velocity[0] = 0.5;
+	scene->guards.energy_residual = 5e-3;
+	double share[2];
+	for (int planted = 0; planted < 2; planted++) {
+		struct mpm *mpm = start(scene);
+		mpm_work(mpm)->internal_force_scale = planted ? 1.01 : 1.0;
+		int status = STATUS_OK;
+		double worst = 0.0;
+		for (int k = 0; k < 1000 && status == STATUS_OK; k++) {
+			status = mpm_step(mpm);
+			mpm_measure(mpm);
+			worst = fmax(worst, fabs(mpm->ledger.energy_residual) / mpm_work(mpm)->total.scale);
+		}
+		share[planted] = worst;
+		assert_int_equal(status, planted ? STATUS_GUARD : STATUS_OK);
+		if (planted) {
+			assert_says("ledger does not add up");
+			assert_says("cure: ");
+		}
+		mpm_free(mpm);
+	}
+	print_message("residual: %.3g %% of the work, %.3g %% with the planted error\n", 100 * share[0], 100 * share[1]);
+	assert_true(share[0] < 1e-4);
+}
+
+static void test_point_in_wall(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct scene *scene = falling_block(&s, 1e6);
+	const double box[] = {1.1, 0.9, 1.6, 0.9, 1.6, 1.4, 1.1, 1.4};
+	elastic_scene_wall(&s, SCENE_WALL_POLYGON, 4, box);
+	struct mpm *mpm;
+	assert_int_equal(mpm_create(&mpm, scene), STATUS_INPUT);
+	assert_says("covers points");
+}
+
+/* Stages: damping only in the first; at its end velocities and ledger begin anew. */
+static void test_stages(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct scene *scene = falling_block(&s, 1e6);
+	s.stages[0] = (struct scene_stage){
+		.duration = 0.02, .damping = 20.0, .n_walls = -1, .then_zero_velocity = true, .then_zero_ledger = true};
+	s.stages[1] = (struct scene_stage){.duration = INFINITY, .n_walls = 0};
+	scene->n_stages = 2;
+	struct mpm *mpm = start(scene);
+	steps(mpm, 19);
+	assert_int_equal(mpm->stage, 0);
+	assert_true(mpm->p.v[0][1] < -0.1);
+	steps(mpm, 1);
+	assert_int_equal(mpm->stage, 1);
+	assert_near(mpm->stage_start, 0.02, 1e-12);
+	mpm_measure(mpm);
+	assert_near(mpm->ledger.energy_kinetic, 0.0, 0.0);
+	assert_near(mpm->ledger.loss_numerical, 0.0, 1e-9);
+	assert_near(mpm->ledger.energy_residual, 0.0, 1e-9);
+	steps(mpm, 200);
+	mpm_measure(mpm);
+	assert_near(mpm->ledger.energy_kinetic, 0.5 * sum_mass(mpm) * pow(9.81 * 0.2, 2),
+				1e-6 * mpm->ledger.energy_kinetic);
+	assert_near(mpm->ledger.energy_residual, 0.0, 1e-9 * mpm->ledger.energy_kinetic);
+	mpm_free(mpm);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_threads),       cmocka_unit_test(test_restart),
+		cmocka_unit_test(test_step_limit),    cmocka_unit_test(test_thermal_limit),
+		cmocka_unit_test(test_leaving),       cmocka_unit_test(test_not_a_number),
+		cmocka_unit_test(test_law_guard),     cmocka_unit_test(test_planted_error),
+		cmocka_unit_test(test_point_in_wall), cmocka_unit_test(test_stages),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
