@@ -13,7 +13,7 @@
 
 namespace
 {
-enum level { LEVEL_DOMAINS, LEVEL_WALLS, LEVEL_WALL_EDGES };
+enum level { LEVEL_SEAMS, LEVEL_DOMAINS, LEVEL_WALLS, LEVEL_WALL_EDGES };
 
 // Grows `b` by the coordinates of a channel.
 void include(box &b, const frame_view &frame, int channel)
@@ -95,6 +95,12 @@ void draw_domains(page &page, const frame_view &frame, const coloured &field, co
 	actor->SetMapper(mapper);
 	actor->GetProperty()->SetPointSize(float(5 * page.unit));
 	page.add(actor, LEVEL_DOMAINS);
+	// Domains deform each on its own: outlines in their own colours, behind, close the hairlines between them.
+	vtkNew<vtkActor> seams;
+	seams->SetMapper(mapper);
+	seams->GetProperty()->SetRepresentationToWireframe();
+	seams->GetProperty()->SetLineWidth(float(std::max(1.0, 2 * page.unit)));
+	page.add(seams, LEVEL_SEAMS);
 }
 
 // Strokes at 45 degrees on the solid side (the right) of a line, as engineers draw the ground.

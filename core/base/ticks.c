@@ -35,9 +35,21 @@ void ticks_widen(double range[2], int n, int symmetric)
 	range[1] = step * ceil(range[1] / step - SLACK);
 }
 
+static bool is_multiple(double value, double step)
+{
+	double k = value / step;
+	return fabs(k - round(k)) < 1e-6;
+}
+
 int ticks_make(double low, double high, int n, double values[TICKS_MAX], double *step)
 {
 	*step = ticks_step(high - low, n);
+	static const int others[] = {1, -1, 2, -2};
+	for (int k = 0; k < 4 && !(is_multiple(low, *step) && is_multiple(high, *step)); k++) {
+		double other = ticks_step(high - low, n + others[k]);
+		if (is_multiple(low, other) && is_multiple(high, other))
+			*step = other;
+	}
 	double first = ceil(low / *step - SLACK), last = floor(high / *step + SLACK);
 	int count = 0;
 	for (double k = first; k <= last && count < TICKS_MAX; k++)

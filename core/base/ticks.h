@@ -18,7 +18,8 @@ double ticks_step(double span, int n);
  * `symmetric`: also makes it symmetric about zero (diverging maps). */
 void ticks_widen(double range[2], int n, int symmetric);
 
-/* The multiples of the nice step within [low, high]; returns how many (at most TICKS_MAX). */
+/* The multiples of a nice step within [low, high], about n parts; where it can be, both ends are among them.
+ * Returns how many (at most TICKS_MAX). */
 int ticks_make(double low, double high, int n, double values[TICKS_MAX], double *step);
 
 /* A tick's text with just the digits that `step` needs: "20", "0.25", "1.2e4".  `largest` = the largest

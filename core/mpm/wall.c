@@ -13,6 +13,8 @@
 
 static const double ON_SURFACE = 1e-6; /* of h: nearer than this is on it; scene files round their decimals */
 static const double PROBE = 1e-3;      /* of h: how far before a face one looks whether it is covered */
+static const double REACH = 1.5;       /* of h: how far from a point the nodes of its domain can lie */
+enum { LOOKS = 6 };                    /* places on either side at which a covered face is looked at */
 
 /* ---- geometry ---- */
 
@@ -87,25 +89,61 @@ struct face {
 	double normal[2], distance;
 };
 
-/* The two nearest faces of a polygon to x, among those that material can reach (or among all, if there are
- * none); returns how many are equally near: 1 or 2. */
-static int nearest_faces(const struct mpm *mpm, int wall, int n, const double (*v)[2], const double x[2], bool any,
+static double distance_to_edge(const double a[2], const double b[2], const double x[2])
+{
+	double q[2];
+	nearest_on_segment(a, b, x, q);
+	return hypot(x[0] - q[0], x[1] - q[1]);
+}
+
+/* Normal of an edge and the distance from x to its nearest part that material can reach.  Where another wall
+ * covers the nearest point, parts of the edge within a point's reach may still be free.  False if none is. */
+static bool look_at_face(const struct mpm *mpm, int wall, const double a[2], const double b[2], const double x[2],
+						 struct face *face)
+{
+	double h = mpm->grid.h, length = hypot(b[0] - a[0], b[1] - a[1]);
+	const double t[2] = {(b[0] - a[0]) / length, (b[1] - a[1]) / length};
+	double at = (x[0] - a[0]) * t[0] + (x[1] - a[1]) * t[1];
+	at = at < 0.0 ? 0.0 : at > length ? length : at;
+	face->normal[0] = t[1], face->normal[1] = -t[0];
+	for (int k = 0; k <= 2 * LOOKS; k++) {
+		double s = at + (k % 2 ? 1 : -1) * ((k + 1) / 2) * REACH * h / LOOKS;
+		s = s < 0.0 ? 0.0 : s > length ? length : s;
+		const double y[2] = {a[0] + s * t[0], a[1] + s * t[1]};
+		const double before[2] = {y[0] + PROBE * h * face->normal[0], y[1] + PROBE * h * face->normal[1]};
+		face->distance = hypot(x[0] - y[0], x[1] - y[1]);
+		if (reachable(mpm, wall, before))
+			return true;
+	}
+	return false;
+}
+
+/* The two nearest faces of a polygon to x that material can reach; returns how many are equally near: 0, 1 or
+ * 2.  If the nearest face of all is covered by another wall, that wall looks after the node, and only free
+ * faces count from which a point's domain could reach it. */
+static int nearest_faces(const struct mpm *mpm, int wall, int n, const double (*v)[2], const double x[2],
 						 struct face faces[2])
 {
-	double h = mpm->grid.h;
+	double h = mpm->grid.h, tolerance = ON_SURFACE * h, distance[n], limit = INFINITY;
 	int found = 0;
-	for (int e = 0; e < n; e++) {
-		const double *a = v[e], *b = v[(e + 1) % n];
-		double q[2], length = hypot(b[0] - a[0], b[1] - a[1]);
-		struct face face = {.edge = e, .normal = {(b[1] - a[1]) / length, -(b[0] - a[0]) / length}};
-		nearest_on_segment(a, b, x, q);
-		face.distance = hypot(x[0] - q[0], x[1] - q[1]);
-		const double before[2] = {q[0] + PROBE * h * face.normal[0], q[1] + PROBE * h * face.normal[1]};
-		if (!any && !reachable(mpm, wall, before))
+	for (int e = 0; e < n; e++)
+		distance[e] = distance_to_edge(v[e], v[(e + 1) % n], x);
+	for (int look = 0; look < n; look++) {
+		int e = 0; /* from the nearest on; those that were looked at have become infinite */
+		for (int f = 1; f < n; f++)
+			e = distance[f] < distance[e] ? f : e;
+		if (distance[e] > limit + tolerance || (found > 0 && distance[e] > faces[0].distance + tolerance))
+			break;
+		struct face face = {.edge = e};
+		bool reached = look_at_face(mpm, wall, v[e], v[(e + 1) % n], x, &face);
+		if (look == 0 && !(reached && face.distance < distance[e] + tolerance))
+			limit = REACH * h;
+		distance[e] = INFINITY;
+		if (!reached || face.distance > limit + tolerance)
 			continue;
-		if (found == 0 || face.distance < faces[0].distance - ON_SURFACE * h)
+		if (found == 0 || face.distance < faces[0].distance - tolerance)
 			faces[0] = face, found = 1;
-		else if (face.distance < faces[0].distance + ON_SURFACE * h && found < 2)
+		else if (face.distance < faces[0].distance + tolerance && found < 2)
 			faces[found++] = face;
 	}
 	return found;
@@ -134,10 +172,10 @@ static void add_contact(struct mpm_work *w, const struct wall_node *contact)
 
 static void add_polygon_node(struct mpm *mpm, int wall, int n, const double (*v)[2], int node, const double x[2])
 {
-	struct face faces[2];
-	int found = nearest_faces(mpm, wall, n, v, x, false, faces);
+	struct face faces[2] = {{0}};
+	int found = nearest_faces(mpm, wall, n, v, x, faces);
 	if (found == 0)
-		found = nearest_faces(mpm, wall, n, v, x, true, faces);
+		return;
 	struct wall_node contact = {.node = node, .wall = wall, .normals = 1};
 	memcpy(contact.normal[0], faces[0].normal, sizeof contact.normal[0]);
 	if (found == 2 && convex_corner(n, v, faces[0].edge, faces[1].edge)) {

@@ -36,6 +36,17 @@ def continued(scene, half, end):
         same_file(f("whole", "checkpoint.h5"), f("new", "checkpoint.h5"), "checkpoints")
 
 
+def threads():
+    """Enough points for every pass to be shared out; heat, a wall that moves and friction."""
+    with Folder() as f:
+        cfg = f.write("s.cfg", BLOCK.replace("cell = 0.1", "cell = 0.0125").replace("step = 1e-4", "step = 5e-5")
+                      + "output = { history_every = 0.0005; snapshot_every = 0.005; };")
+        for n in (1, 2, 4):
+            tmdempm("run", cfg, "--out", f("t%d" % n), "--until", 0.01, threads=n)
+        compare(f("t1"), f("t2"))
+        compare(f("t1"), f("t4"))
+
+
 def refused():
     with Folder() as f:
         cfg = f.write("s.cfg", BLOCK)
@@ -60,4 +71,5 @@ def refused():
 # the half lies on a snapshot but between two rows: the row at its end is written again
 continued(BLOCK + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.1, 0.2)
 continued(COLUMN.replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), 0.03, 0.06)
+threads()
 refused()

@@ -1,0 +1,113 @@
+/* Speed of the MPM on one core: whole mpm_step() calls on an elastic column that swings under its weight,
+ * 4 points in each grid cell, ledger and guards included. */
+#include "run/bench.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdio.h>
+#include <time.h>
+
+#include "base/error.h"
+#include "mpm/mpm.h"
+
+enum { REPEATS = 7, POINT_STEPS = 1000000 };
+
+static double thread_seconds(void)
+{
+	struct timespec now;
+	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+	return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* What a scene points to. */
+struct column {
+	struct scene scene;
+	struct scene_law law;
+	struct scene_material material;
+	struct scene_body body;
+	struct scene_wall walls[3];
+	double corners[4][2], lines[3][2][2];
+};
+
+static void column_wall(struct column *c, int w, double x0, double y0, double x1, double y1, enum scene_wall_contact contact)
+{
+	c->lines[w][0][0] = x0, c->lines[w][0][1] = y0, c->lines[w][1][0] = x1, c->lines[w][1][1] = y1;
+	c->walls[w] = (struct scene_wall){.n_vertices = 2, .vertices = c->lines[w], .depth = 2.0 * c->scene.grid.cell,
+	                                  .contact = contact, .temperature = NAN, .until = INFINITY};
+}
+
+/* A square of side by side cells of 1 cm of a soft solid on a floor between smooth walls. */
+static void column_scene(struct column *c, const char *shape, int side, bool thermal)
+{
+	const double h = 0.01, young = 1e6, density = 1000.0, l = side * h;
+	*c = (struct column){0};
+	struct scene *s = &c->scene;
+	snprintf(s->path, sizeof s->path, "bench");
+	s->grid = (struct scene_grid){{0.0, 0.0}, {(side + 4) * h, (side + 8) * h}, h, 1.0};
+	s->time = (struct scene_time){1.0, 0.4 * h / sqrt(young / density), 1.0, 1, 1};
+	snprintf(s->mpm.shape, sizeof s->mpm.shape, "%s", shape);
+	snprintf(s->mpm.transfer, sizeof s->mpm.transfer, "flip");
+	snprintf(s->mpm.order, sizeof s->mpm.order, "usl");
+	s->thermal.on = thermal;
+	s->gravity[1] = -9.81;
+	s->guards.points_leaving = true;
+	c->law = (struct scene_law){.name = "elastic", .type = SCENE_LAW_THERMOELASTIC, .thermoelastic = {young, 0.3, 1e-5, false}};
+	c->material = (struct scene_material){.name = "solid", .density = density, .heat_capacity = 1000.0, .conductivity = 10.0,
+	                                      .reference_temperature = NAN};
+	const double corners[4][2] = {{2 * h, 2 * h}, {2 * h + l, 2 * h}, {2 * h + l, 2 * h + l}, {2 * h, 2 * h + l}};
+	for (int k = 0; k < 4; k++)
+		c->corners[k][0] = corners[k][0], c->corners[k][1] = corners[k][1];
+	c->body = (struct scene_body){.name = "column", .n_vertices = 4, .vertices = c->corners, .lattice_origin = {NAN, NAN},
+	                              .points_per_cell = 4, .temperature = 300.0, .variants = 1};
+	column_wall(c, 0, 0.0, 2 * h, (side + 4) * h, 2 * h, SCENE_WALL_FRICTIONAL);
+	column_wall(c, 1, 2 * h, (side + 8) * h, 2 * h, 0.0, SCENE_WALL_SLIP);
+	column_wall(c, 2, 2 * h + l, 0.0, 2 * h + l, (side + 8) * h, SCENE_WALL_SLIP);
+	s->laws = &c->law, s->materials = &c->material, s->bodies = &c->body, s->walls = c->walls;
+	s->n_laws = s->n_materials = s->n_bodies = 1, s->n_walls = 3;
+}
+
+static int run_steps(struct mpm *mpm, int steps, double *rate)
+{
+	double start = thread_seconds();
+	for (int k = 0; k < steps; k++)
+		CHECK(mpm_step(mpm));
+	*rate = (double)mpm->p.n * steps / (thread_seconds() - start);
+	return STATUS_OK;
+}
+
+static int bench_case(bool json, const char *name, const char *shape, int side, bool thermal)
+{
+	struct column column;
+	struct mpm *mpm;
+	column_scene(&column, shape, side, thermal);
+	CHECK(mpm_create(&mpm, &column.scene));
+	int steps = POINT_STEPS / mpm->p.n + 1, status = STATUS_OK;
+	double rates[REPEATS];
+	status = run_steps(mpm, steps / 4 + 1, &rates[0]); /* warm */
+	for (int k = 0; k < REPEATS && status == STATUS_OK; k++)
+		status = run_steps(mpm, steps, &rates[k]);
+	if (status == STATUS_OK)
+		bench_report(json, name, rates, REPEATS, "point-steps/s", 1);
+	mpm_free(mpm);
+	return status;
+}
+
+int bench_mpm(bool json)
+{
+	static const struct {
+		const char *name, *shape;
+		int side; /* 4 side^2 points */
+		bool thermal;
+	} cases[] = {
+		{"mpm_linear_10k", "linear", 50, false},         {"mpm_linear_100k", "linear", 158, false},
+		{"mpm_ugimp_10k", "ugimp", 50, false},           {"mpm_ugimp_100k", "ugimp", 158, false},
+		{"mpm_ugimp_thermal_10k", "ugimp", 50, true},    {"mpm_ugimp_thermal_100k", "ugimp", 158, true},
+	};
+	int threads = omp_get_max_threads(), status = STATUS_OK;
+	omp_set_num_threads(1);
+	bench_header(json, 1);
+	for (size_t k = 0; k < sizeof cases / sizeof *cases && status == STATUS_OK; k++)
+		status = bench_case(json, cases[k].name, cases[k].shape, cases[k].side, cases[k].thermal);
+	omp_set_num_threads(threads);
+	return status;
+}
