@@ -170,10 +170,10 @@ static void report_print_times(struct run *run)
 	report_task(run, "viewer wait", viewer, total);
 	report_task(run, "total", total, total);
 	log_line(&run->log, "  %.4g point-steps/s, %.4g disc-steps/s", report_rate(steps * run->mpm->p.n, total),
-	         report_rate((double)(counts.disc_steps - run->first_disc_steps), total));
+			 report_rate((double)(counts.disc_steps - run->first_disc_steps), total));
 	if (counts.disc_steps > 0)
 		log_line(&run->log, "RVEs: %lld flying, %lld frozen, %lld re-seeded, %lld steps with N clamped", counts.gas,
-		         counts.frozen, counts.reseeded, counts.clamped);
+				 counts.frozen, counts.reseeded, counts.clamped);
 }
 
 void report_print(struct run *run)
