@@ -28,15 +28,16 @@ enum {
 	LANE_N40, LANE_N04, LANE_N22, LANE_N31, LANE_N13, LANE_OVERLAP_FORCE, LANE_ELASTIC,
 	LANE_CONTACTS, LANE_SLIDING, LANE_FORCE, LANE_VXX, LANE_VYY, LANE_VXY, LANE_KINETIC, LANE_UNBALANCED,
 	LANE_SUMS,
-	LANE_OVERLAP = LANE_SUMS, LANE_DISPLACEMENT, /* largest, not summed */
+	LANE_OVERLAP = LANE_SUMS, LANE_DISPLACEMENT, LANE_SECOND, /* largest, not summed */
 	LANE_FIELDS
 };
 
 /* Scratch arrays: over discs, over pairs (slots that contact forces are left in), whole numbers. */
 enum { WORK_SX, WORK_SY, WORK_VX, WORK_VY, WORK_W, WORK_ROTATION, WORK_FX, WORK_FY, WORK_TORQUE, WORK_DISC_FIELDS };
-enum { WORK_FT, WORK_PX, WORK_PY, WORK_TI, WORK_TJ, WORK_PAIR_FIELDS };
+enum { WORK_FT, WORK_PX, WORK_PX_J, WORK_PY, WORK_PY_J, WORK_T, WORK_T_J, WORK_PAIR_FIELDS };
 enum { WORK_I, WORK_J, WORK_J_OLD, WORK_PAIR_INDICES };
-enum { WORK_CELL, WORK_SORTED, WORK_DEGREE, WORK_FIRST, WORK_FIRST_OLD, WORK_DISC_INDICES };
+enum { RIM_X, RIM_Y, RIM_R, RIM_FIELDS }; /* neighbour search: discs and their images around the cell, at most 4 n */
+enum { WORK_CELL, WORK_SORTED, WORK_DEGREE, WORK_FIRST_OLD, WORK_DISC_INDICES };
 
 /* What a block shares. */
 struct rve_block {
@@ -44,7 +45,7 @@ struct rve_block {
 	struct rve_head head;
 	real H_inv[4];
 	real scale, scale_step; /* radius / reference radius, its increase in one sub-step */
-	int grid[2], n_pairs_old, status;
+	int grid[2], status;
 };
 
 /* Where things are.  Every thread has the same. */
@@ -55,15 +56,16 @@ struct rve_place {
 	GLOBAL const real *table;
 	GLOBAL unsigned char *state;
 	SHARED struct rve_block *block;
-	LOCAL real *disc, *pair;
-	LOCAL int *pair_index, *disc_index, *cell_start;
-	LOCAL index16 *neighbours; /* layout->levels for each disc */
+	LOCAL real *disc, *pair, *rim;
+	LOCAL int *pair_index, *disc_index, *entry, *rim_disc, *cell_start, *rim_start;
+	LOCAL index16 *neighbours; /* layout->levels + 1 for each disc */
 };
 
 #define WORK_DISC(f) (at->disc + (f) * at->layout->stride)
 #define WORK_PAIR(f) (at->pair + (f) * at->layout->pair_stride)
 #define WORK_PAIR_INDEX(f) (at->pair_index + (f) * at->layout->pair_stride)
 #define WORK_DISC_INDEX(f) (at->disc_index + (f) * at->layout->stride)
+#define WORK_ENTRY(level) (at->entry + (level) * at->layout->stride)
 #define TABLE(f) (at->table + (f) * at->layout->stride)
 #define STATE_DISC(f) ((GLOBAL real *)(at->state + at->layout->disc) + (f) * at->layout->stride)
 #define STATE_DISC32(f) ((GLOBAL real32 *)(at->state + at->layout->disc32) + (f) * at->layout->stride)
@@ -72,6 +74,7 @@ struct rve_place {
 #define STATE_DAMPING ((GLOBAL real32 *)(at->state + at->layout->damping))
 #define STATE_I ((GLOBAL index16 *)(at->state + at->layout->pair_i))
 #define STATE_J ((GLOBAL index16 *)(at->state + at->layout->pair_j))
+#define STATE_FIRST ((GLOBAL index16 *)(at->state + at->layout->first))
 #define STATE_FLAG (at->state + at->layout->flag)
 #define STATE_ENTRY(level) ((GLOBAL index16 *)(at->state + at->layout->entry) + (level) * at->layout->stride)
 
@@ -99,8 +102,9 @@ BLOCKFN void state_load(const struct rve_place *at)
 		WORK_PAIR_INDEX(WORK_I)[p] = STATE_I[p];
 		WORK_PAIR_INDEX(WORK_J)[p] = STATE_J[p];
 	}
-	for (int f = WORK_PX; f <= WORK_TJ; f++)
-		ONE_THREAD WORK_PAIR(f)[at->layout->pairs] = 0.0;
+	for (int level = 0; level < block->head.levels; level++)
+		FOR_THREADS(i, at->layout->n) WORK_ENTRY(level)[i] = STATE_ENTRY(level)[i];
+	slots_clear(at);
 	for (int q = 0; q < LANE_FIELDS; q++)
 		FOR_THREADS(lane, LANES) block->lanes[q][lane] = 0.0;
 	SYNC();
@@ -125,10 +129,14 @@ KERNEL(rve_kernel)(const struct rve_layout *layout, const struct rve_constants *
 	place.block = (SHARED struct rve_block *)scratch;
 	place.disc = (LOCAL real *)(scratch + sizeof(struct rve_block));
 	place.pair = place.disc + WORK_DISC_FIELDS * layout->stride;
-	place.pair_index = (LOCAL int *)(place.pair + WORK_PAIR_FIELDS * layout->pair_stride);
+	place.rim = place.pair + WORK_PAIR_FIELDS * layout->pair_stride;
+	place.pair_index = (LOCAL int *)(place.rim + RIM_FIELDS * 4 * layout->stride);
 	place.disc_index = place.pair_index + WORK_PAIR_INDICES * layout->pair_stride;
-	place.cell_start = place.disc_index + WORK_DISC_INDICES * layout->stride;
-	place.neighbours = (LOCAL index16 *)(place.cell_start + layout->grid * layout->grid + 1);
+	place.entry = place.disc_index + WORK_DISC_INDICES * layout->stride;
+	place.rim_disc = place.entry + layout->levels * layout->stride;
+	place.cell_start = place.rim_disc + 4 * layout->stride;
+	place.rim_start = place.cell_start + layout->grid * layout->grid + 1;
+	place.neighbours = (LOCAL index16 *)(place.rim_start + (layout->grid + 2) * (layout->grid + 2) + 1);
 	SHARED struct rve_block *block = place.block;
 
 	state_load(at);
@@ -159,11 +167,12 @@ KERNEL(rve_kernel)(const struct rve_layout *layout, const struct rve_constants *
 /* Bytes of scratch memory that the kernel needs. */
 static inline int kernel_scratch_bytes(const struct rve_layout *layout)
 {
+	const long disc = layout->stride, pair = layout->pair_stride, grid = layout->grid;
 	long bytes = (long)sizeof(struct rve_block);
-	bytes += (long)sizeof(real) * (WORK_DISC_FIELDS * layout->stride + WORK_PAIR_FIELDS * layout->pair_stride);
-	bytes += (long)sizeof(int) * (WORK_PAIR_INDICES * layout->pair_stride + WORK_DISC_INDICES * layout->stride +
-	                              layout->grid * layout->grid + 1);
-	bytes += (long)sizeof(index16) * layout->levels * layout->n;
+	bytes += (long)sizeof(real) * (WORK_DISC_FIELDS * disc + WORK_PAIR_FIELDS * pair + RIM_FIELDS * 4 * disc);
+	bytes += (long)sizeof(int) * (WORK_PAIR_INDICES * pair + WORK_DISC_INDICES * disc + (layout->levels + 4) * disc);
+	bytes += (long)sizeof(int) * (grid * grid + 1 + (grid + 2) * (grid + 2) + 1);
+	bytes += (long)sizeof(index16) * (layout->levels + 1) * layout->n;
 	return (int)((bytes + 63) / 64 * 64);
 }
 

@@ -8,15 +8,20 @@
 BLOCKFN int neighbours_valid(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	SHARED real *displacement = block->lanes[LANE_DISPLACEMENT];
+	SHARED real *most = block->lanes[LANE_DISPLACEMENT], *second = block->lanes[LANE_SECOND];
 	for (int width = LANES / 2; width > 0; width /= 2) {
-		FOR_THREADS(lane, width) displacement[lane] = real_max(displacement[lane + width], displacement[lane]);
+		FOR_THREADS(lane, width)
+		{
+			real a = most[lane], b = most[lane + width];
+			most[lane] = real_max(a, b);
+			second[lane] = real_max(real_min(a, b), real_max(second[lane], second[lane + width]));
+		}
 		SYNC();
 	}
 	const real r_max = at->constants->r_max;
 	real stretch = real_min(cell_least_stretch(block->head.H, block->head.H_ref), 1.0);
 	real reach = stretch * (2.0 * r_max * block->head.scale_ref + at->constants->skin);
-	return reach - 2.0 * real_sqrt(displacement[0]) >= 2.0 * r_max * block->scale;
+	return reach - real_sqrt(most[0]) - real_sqrt(second[0]) >= 2.0 * r_max * block->scale;
 }
 
 /* Ends the stretch of motion since the last build: its displacement is booked, the cell reduced. */
@@ -53,161 +58,202 @@ BLOCKFN void neighbours_rebase(const struct rve_place *at)
 	SYNC();
 }
 
-THREADFN int clamp_cell(real x, int cells)
+THREADFN int clamp_cell(real x, int least, int most)
 {
-	return (int)real_min(real_max(x, 0.0), (real)(cells - 1)); /* also where x is not a number */
+	return (int)real_min(real_max(x, (real)least), (real)most); /* also where x is not a number */
 }
 
-/* Discs sorted into the cells of a grid, cells at least one reach wide, by counting. */
+/* Discs sorted into the cells of a grid, each at least one reach wide, by counting; then once more with a rim of
+ * images all around and their places in metres, so that a disc's neighbours stand in three rows of cells side by
+ * side. */
 BLOCKFN void neighbours_sort(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	LOCAL const real *sx = WORK_DISC(WORK_SX), *sy = WORK_DISC(WORK_SY);
+	GLOBAL const real *radius = TABLE(TABLE_R);
 	LOCAL int *cell = WORK_DISC_INDEX(WORK_CELL), *sorted = WORK_DISC_INDEX(WORK_SORTED);
-	LOCAL int *start = at->cell_start;
-	ONE_THREAD {
-		SHARED real *H = block->head.H;
-		real reach = 2.0 * at->constants->r_max * block->scale + at->constants->skin;
-		real area = H[0] * H[3] - H[1] * H[2];
-		real width_x = area / real_sqrt(H[1] * H[1] + H[3] * H[3]), width_y = area / real_sqrt(H[0] * H[0] + H[2] * H[2]);
-		block->grid[0] = 1 + clamp_cell(width_x / reach - 1.0, at->layout->grid);
-		block->grid[1] = 1 + clamp_cell(width_y / reach - 1.0, at->layout->grid);
-	}
-	SYNC();
-	const int nx = block->grid[0], ny = block->grid[1];
-	FOR_THREADS(i, at->layout->n) cell[i] = clamp_cell(sy[i] * ny, ny) * nx + clamp_cell(sx[i] * nx, nx);
+	LOCAL int *start = at->cell_start, *rim_start = at->rim_start;
+	const real reach = 2.0 * at->constants->r_max * block->scale + at->constants->skin, scale = block->scale;
+	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
+	const real area = hxx * hyy - hxy * hyx;
+	const int nx = clamp_cell(area / real_sqrt(hxy * hxy + hyy * hyy) / reach, 2, at->layout->grid);
+	const int ny = clamp_cell(area / real_sqrt(hxx * hxx + hyx * hyx) / reach, 2, at->layout->grid);
+	const int columns = nx + 2, rows = ny + 2;
+	FOR_THREADS(i, at->layout->n) cell[i] = clamp_cell(sy[i] * ny, 0, ny - 1) * nx + clamp_cell(sx[i] * nx, 0, nx - 1);
 	SYNC();
 	ONE_THREAD {
 		for (int c = 0; c <= nx * ny; c++)
 			start[c] = 0;
 		for (int i = 0; i < at->layout->n; i++)
-			start[cell[i]]++;
-		for (int c = 0, sum = 0; c <= nx * ny; c++) {
-			int count = start[c];
-			start[c] = sum;
-			sum += count;
-		}
+			start[cell[i] + 1]++;
+		for (int c = 0; c < nx * ny; c++)
+			start[c + 1] += start[c];
 		for (int i = 0; i < at->layout->n; i++)
-			sorted[start[cell[i]]++] = i; /* start[c] becomes the end of c = the start of c + 1 */
+			sorted[start[cell[i]]++] = i; /* start[c] becomes the end of c, which is the start of c + 1 */
+		for (int c = nx * ny; c > 0; c--)
+			start[c] = start[c - 1];
+		start[0] = 0;
+		rim_start[0] = 0;
+		for (int c = 0; c < columns * rows; c++) {
+			int x = (c % columns + nx - 1) % nx, y = (c / columns + ny - 1) % ny;
+			rim_start[c + 1] = rim_start[c] + start[y * nx + x + 1] - start[y * nx + x];
+		}
+		block->grid[0] = nx;
+		block->grid[1] = ny;
+	}
+	SYNC();
+	FOR_THREADS(c, columns * rows)
+	{
+		int x = c % columns - 1, y = c / columns - 1;
+		int turn_x = x < 0 ? -1 : x == nx ? 1 : 0, turn_y = y < 0 ? -1 : y == ny ? 1 : 0;
+		int from = start[(y - turn_y * ny) * nx + x - turn_x * nx];
+		for (int k = rim_start[c]; k < rim_start[c + 1]; k++) {
+			const int i = sorted[from++];
+			real px = sx[i] + turn_x, py = sy[i] + turn_y;
+			at->rim_disc[k] = i;
+			at->rim[RIM_X * 4 * at->layout->stride + k] = hxx * px + hxy * py;
+			at->rim[RIM_Y * 4 * at->layout->stride + k] = hyx * px + hyy * py;
+			at->rim[RIM_R * 4 * at->layout->stride + k] = radius[i] * scale;
+		}
 	}
 	SYNC();
 }
 
-/* All neighbours of disc i, ascending.  Returns how many, or -1 if there are too many. */
+/* The neighbours j > i of disc i.  Returns how many; more than the capacity are not all in the list. */
 THREADFN int neighbours_find(const struct rve_place *at, int i, LOCAL index16 *list)
 {
-	SHARED const struct rve_block *block = at->block;
-	const int nx = block->grid[0], ny = block->grid[1], capacity = at->layout->levels;
-	LOCAL const real *sx = WORK_DISC(WORK_SX), *sy = WORK_DISC(WORK_SY);
-	GLOBAL const real *radius = TABLE(TABLE_R);
-	LOCAL const int *sorted = WORK_DISC_INDEX(WORK_SORTED), *end = at->cell_start;
-	const int c = WORK_DISC_INDEX(WORK_CELL)[i], cx = c % nx, cy = c / nx;
-	const int columns = nx < 3 ? nx : 3, rows = ny < 3 ? ny : 3;
-	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
-	const real x = sx[i], y = sy[i], scale = block->scale, reach = radius[i] * scale + at->constants->skin;
+	const int nx = at->block->grid[0], columns = nx + 2, capacity = at->layout->levels;
+	LOCAL const int *start = at->rim_start, *disc = at->rim_disc;
+	LOCAL const real *x = at->rim + RIM_X * 4 * at->layout->stride, *y = at->rim + RIM_Y * 4 * at->layout->stride;
+	LOCAL const real *r = at->rim + RIM_R * 4 * at->layout->stride;
+	const real *H = at->block->head.H;
+	const real si = WORK_DISC(WORK_SX)[i], ti = WORK_DISC(WORK_SY)[i];
+	const real xi = H[0] * si + H[1] * ti, yi = H[2] * si + H[3] * ti;
+	const real reach = TABLE(TABLE_R)[i] * at->block->scale + at->constants->skin;
+	const int c = WORK_DISC_INDEX(WORK_CELL)[i], first = c / nx * columns + c % nx;
 	int found = 0;
-	for (int row = 0; row < rows; row++) {
-		int gy = ny < 3 ? row : cy + row - 1;
-		gy = gy < 0 ? ny - 1 : gy == ny ? 0 : gy;
-		for (int column = 0; column < columns; column++) {
-			int gx = nx < 3 ? column : cx + column - 1;
-			gx = gx < 0 ? nx - 1 : gx == nx ? 0 : gx;
-			const int g = gy * nx + gx;
-			for (int k = g > 0 ? end[g - 1] : 0; k < end[g]; k++) {
-				const int j = sorted[k];
-				real ax = sx[j] - x, ay = sy[j] - y;
-				ax -= real_nearest(ax);
-				ay -= real_nearest(ay);
-				real bx = hxx * ax + hxy * ay, by = hyx * ax + hyy * ay;
-				real cut = reach + radius[j] * scale;
-				if (!(bx * bx + by * by < cut * cut) || j == i)
-					continue;
-				if (found == capacity)
-					return -1;
-				int place = found++;
-				for (; place > 0 && list[place - 1] > j; place--)
-					list[place] = list[place - 1];
-				list[place] = (index16)j;
-			}
+	for (int row = 0; row < 3; row++) {
+		const int begin = start[first + row * columns], end = start[first + row * columns + 3];
+		for (int k = begin; k < end; k++) {
+			real dx = x[k] - xi, dy = y[k] - yi, cut = r[k] + reach;
+			list[found < capacity ? found : capacity] = (index16)disc[k];
+			found += (dx * dx + dy * dy < cut * cut) & (disc[k] > i); /* without a branch: most are no neighbours */
 		}
 	}
 	return found;
 }
 
-/* Where the pairs of each disc (as i) begin in the old list; a copy of what pairs remember. */
+/* What the pairs of the old list remember, out of the way of the new one. */
 BLOCKFN void history_keep(const struct rve_place *at)
 {
-	SHARED struct rve_block *block = at->block;
-	const int n_pairs = block->head.n_pairs;
-	LOCAL const int *pair_i = WORK_PAIR_INDEX(WORK_I), *pair_j = WORK_PAIR_INDEX(WORK_J);
-	LOCAL int *first = WORK_DISC_INDEX(WORK_FIRST_OLD), *old_j = WORK_PAIR_INDEX(WORK_J_OLD);
-	LOCAL real *old_ft = WORK_PAIR(WORK_PX), *old_fd = WORK_PAIR(WORK_PY), *old_flag = WORK_PAIR(WORK_TI);
-	FOR_THREADS(p, n_pairs)
+	LOCAL const int *pair_j = WORK_PAIR_INDEX(WORK_J);
+	LOCAL int *old_first = WORK_DISC_INDEX(WORK_FIRST_OLD), *old_j = WORK_PAIR_INDEX(WORK_J_OLD);
+	LOCAL real *old_ft = WORK_PAIR(WORK_PX), *old_fd = WORK_PAIR(WORK_PY), *old_flag = WORK_PAIR(WORK_T);
+	FOR_THREADS(p, at->block->head.n_pairs)
 	{
 		old_j[p] = pair_j[p];
 		old_ft[p] = WORK_PAIR(WORK_FT)[p];
 		old_fd[p] = (real)STATE_FD[p];
 		old_flag[p] = (real)STATE_FLAG[p];
 	}
-	ONE_THREAD {
-		for (int i = 0, p = 0; i <= at->layout->n; i++) {
-			first[i] = p;
-			while (p < n_pairs && pair_i[p] == i)
-				p++;
-		}
-		block->n_pairs_old = n_pairs;
-	}
+	FOR_THREADS(i, at->layout->n + 1) old_first[i] = STATE_FIRST[i];
 	SYNC();
 }
 
-/* Writes the pairs of disc i (those with j > i) with what they remember. */
+/* The pairs of disc i and what they remember. */
 THREADFN void pairs_write(const struct rve_place *at, int i)
 {
-	const struct rve_constants *constants = at->constants;
-	LOCAL const index16 *list = at->neighbours + (long)i * at->layout->levels;
-	LOCAL const int *first_old = WORK_DISC_INDEX(WORK_FIRST_OLD), *old_j = WORK_PAIR_INDEX(WORK_J_OLD);
-	GLOBAL const real *mass = TABLE(TABLE_MASS);
-	const int degree = WORK_DISC_INDEX(WORK_DEGREE)[i];
-	int p = WORK_DISC_INDEX(WORK_FIRST)[i], old = first_old[i];
-	const int old_end = first_old[i + 1];
-	for (int k = 0; k < degree; k++) {
-		const int j = list[k];
-		if (j < i)
-			continue;
-		while (old < old_end && old_j[old] < j)
+	LOCAL const index16 *list = at->neighbours + (long)i * (at->layout->levels + 1);
+	LOCAL const int *old_j = WORK_PAIR_INDEX(WORK_J_OLD);
+	const int begin = STATE_FIRST[i], end = STATE_FIRST[i + 1];
+	const int old_begin = WORK_DISC_INDEX(WORK_FIRST_OLD)[i], old_end = WORK_DISC_INDEX(WORK_FIRST_OLD)[i + 1];
+	for (int p = begin; p < end; p++) {
+		const int j = list[p - begin];
+		int old = old_begin;
+		while (old < old_end && old_j[old] != j)
 			old++;
-		const int known = old < old_end && old_j[old] == j;
+		const int known = old < old_end;
 		WORK_PAIR_INDEX(WORK_I)[p] = i;
 		WORK_PAIR_INDEX(WORK_J)[p] = j;
 		STATE_I[p] = (index16)i;
 		STATE_J[p] = (index16)j;
 		WORK_PAIR(WORK_FT)[p] = known ? WORK_PAIR(WORK_PX)[old] : 0.0;
 		STATE_FD[p] = known ? (real32)WORK_PAIR(WORK_PY)[old] : 0.0f;
-		STATE_FLAG[p] = known ? (unsigned char)WORK_PAIR(WORK_TI)[old] : 0;
-		STATE_DAMPING[p] = (real32)(constants->damping * real_sqrt(mass[i] * mass[j] / (mass[i] + mass[j])));
-		p++;
+		STATE_FLAG[p] = known ? (unsigned char)WORK_PAIR(WORK_T)[old] : 0;
 	}
 }
 
-/* Where the slots of disc i's pairs are: entry[level][i]. */
-THREADFN void entries_write(const struct rve_place *at, int i)
+/* The slot that holds no force, for discs with fewer neighbours than others. */
+BLOCKFN void slots_clear(const struct rve_place *at)
 {
-	LOCAL const index16 *list = at->neighbours + (long)i * at->layout->levels;
-	LOCAL const int *first = WORK_DISC_INDEX(WORK_FIRST), *pair_j = WORK_PAIR_INDEX(WORK_J);
-	const int degree = WORK_DISC_INDEX(WORK_DEGREE)[i];
-	int mine = first[i];
-	for (int k = 0; k < at->block->head.levels; k++) {
-		int e = at->layout->pairs; /* the slot of no force */
-		if (k < degree && list[k] > i)
-			e = mine++;
-		if (k < degree && list[k] < i) {
-			int p = first[list[k]];
-			while (pair_j[p] != i)
-				p++;
-			e = p | ENTRY_J;
-		}
-		STATE_ENTRY(k)[i] = (index16)e;
+	ONE_THREAD {
+		for (int f = WORK_PX; f <= WORK_T; f += 2)
+			WORK_PAIR(f)[at->layout->pairs] = 0.0;
 	}
+}
+
+/* Which slots each disc gathers: entry[level][i].  A short walk, done by one thread. */
+BLOCKFN void entries_write(const struct rve_place *at)
+{
+	SHARED struct rve_block *block = at->block;
+	LOCAL int *degree = WORK_DISC_INDEX(WORK_DEGREE);
+	LOCAL const int *pair_i = WORK_PAIR_INDEX(WORK_I), *pair_j = WORK_PAIR_INDEX(WORK_J);
+	const int n = at->layout->n, stride = at->layout->stride, capacity = at->layout->levels;
+	LOCAL int *entry = WORK_ENTRY(0);
+	FOR_THREADS(i, n) degree[i] = 0;
+	SYNC();
+	ONE_THREAD {
+		for (int p = 0; p < block->head.n_pairs; p++) {
+			const int i = pair_i[p], j = pair_j[p];
+			if (degree[i] < capacity && degree[j] < capacity) {
+				entry[degree[i] * stride + i] = p;
+				entry[degree[j] * stride + j] = p + at->layout->pair_stride;
+			}
+			degree[i]++;
+			degree[j]++;
+		}
+		int levels = 0;
+		for (int i = 0; i < n; i++)
+			levels = degree[i] > levels ? degree[i] : levels;
+		block->head.levels = levels;
+		if (levels > capacity)
+			block->status = KERNEL_CROWDED;
+		for (int level = 0; level < levels && level < capacity; level++) {
+			int last = n;
+			while (degree[last - 1] <= level)
+				last--;
+			block->head.level_discs[level] = (index16)last;
+		}
+	}
+	SYNC();
+	for (int level = 0; level < block->head.levels && level < capacity; level++)
+		FOR_THREADS(i, n)
+		{
+			int e = degree[i] > level ? entry[level * stride + i] : at->layout->pairs;
+			entry[level * stride + i] = e;
+			STATE_ENTRY(level)[i] = (index16)e;
+		}
+	SYNC();
+}
+
+/* Discs' lists put one after the other; sets STATE_FIRST, n_pairs. */
+BLOCKFN void pairs_count(const struct rve_place *at)
+{
+	SHARED struct rve_block *block = at->block;
+	LOCAL const int *degree = WORK_DISC_INDEX(WORK_DEGREE);
+	ONE_THREAD {
+		int pairs = 0, most = 0;
+		for (int i = 0; i < at->layout->n; i++) {
+			STATE_FIRST[i] = (index16)pairs;
+			pairs += degree[i];
+			most = degree[i] > most ? degree[i] : most;
+		}
+		if (pairs > at->layout->pairs || most > at->layout->levels)
+			block->status = KERNEL_CROWDED;
+		STATE_FIRST[at->layout->n] = (index16)pairs;
+		block->head.n_pairs = pairs;
+	}
+	SYNC();
 }
 
 /* A new list for the configuration as it is.  Sets block->status if the cell has become too slender or
@@ -216,7 +262,11 @@ BLOCKFN void neighbours_build(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	const int n = at->layout->n;
-	LOCAL int *degree = WORK_DISC_INDEX(WORK_DEGREE), *first = WORK_DISC_INDEX(WORK_FIRST);
+	LOCAL int *degree = WORK_DISC_INDEX(WORK_DEGREE);
+	LOCAL const int *pair_i = WORK_PAIR_INDEX(WORK_I), *pair_j = WORK_PAIR_INDEX(WORK_J);
+	GLOBAL const real *mass = TABLE(TABLE_MASS);
+	GLOBAL real32 *damping = STATE_DAMPING;
+	const real factor = at->constants->damping;
 	history_keep(at);
 	neighbours_rebase(at);
 	real reach = 2.0 * at->constants->r_max * block->scale + at->constants->skin;
@@ -226,35 +276,19 @@ BLOCKFN void neighbours_build(const struct rve_place *at)
 		return;
 	}
 	neighbours_sort(at);
-	FOR_THREADS(i, n) degree[i] = neighbours_find(at, i, at->neighbours + (long)i * at->layout->levels);
+	FOR_THREADS(i, n) degree[i] = neighbours_find(at, i, at->neighbours + (long)i * (at->layout->levels + 1));
 	SYNC();
-	ONE_THREAD {
-		int pairs = 0, levels = 0;
-		for (int k = 0; k < at->layout->levels; k++)
-			block->head.level_discs[k] = 0;
-		for (int i = 0; i < n; i++) {
-			LOCAL const index16 *list = at->neighbours + (long)i * at->layout->levels;
-			first[i] = pairs;
-			for (int k = 0; k < degree[i]; k++) {
-				pairs += list[k] > i;
-				block->head.level_discs[k] = (index16)(i + 1);
-			}
-			levels = degree[i] > levels ? degree[i] : levels;
-			if (degree[i] < 0)
-				block->status = KERNEL_CROWDED;
-		}
-		if (pairs > at->layout->pairs)
-			block->status = KERNEL_CROWDED;
-		block->head.n_pairs = pairs;
-		block->head.levels = levels;
-	}
-	SYNC();
+	pairs_count(at);
 	if (block->status != KERNEL_OK)
 		return;
 	FOR_THREADS(i, n) pairs_write(at, i);
 	SYNC();
-	FOR_THREADS(i, n) entries_write(at, i);
-	for (int f = WORK_PX; f <= WORK_TJ; f++)
-		ONE_THREAD WORK_PAIR(f)[at->layout->pairs] = 0.0;
+	entries_write(at);
+	FOR_THREADS(p, block->head.n_pairs)
+	{
+		real a = mass[pair_i[p]], b = mass[pair_j[p]];
+		damping[p] = (real32)(factor * real_sqrt(a * b / (a + b)));
+	}
+	slots_clear(at);
 	SYNC();
 }

@@ -19,13 +19,14 @@ BLOCKFN void move(const struct rve_place *at)
 		block->head.temperature += call->heating;
 		block->scale = 1.0 + at->constants->expansion * block->head.temperature;
 	}
-	FOR_THREADS(lane, LANES) block->lanes[LANE_DISPLACEMENT][lane] = 0.0;
+	FOR_THREADS(lane, LANES) { block->lanes[LANE_DISPLACEMENT][lane] = 0.0, block->lanes[LANE_SECOND][lane] = 0.0; }
 	SYNC();
 	LOCAL real *sx = WORK_DISC(WORK_SX), *sy = WORK_DISC(WORK_SY);
 	LOCAL real *vx = WORK_DISC(WORK_VX), *vy = WORK_DISC(WORK_VY);
 	GLOBAL const real *mass = TABLE(TABLE_MASS);
 	GLOBAL const real32 *ref_x = STATE_DISC32(DISC32_REF_X), *ref_y = STATE_DISC32(DISC32_REF_Y);
-	SHARED real *displacement = block->lanes[LANE_DISPLACEMENT], *kinetic_work = block->lanes[LANE_KINETIC_WORK];
+	SHARED real *most = block->lanes[LANE_DISPLACEMENT], *second = block->lanes[LANE_SECOND];
+	SHARED real *kinetic_work = block->lanes[LANE_KINETIC_WORK];
 	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
 	const real bxx = call->B[0], bxy = call->B[1], byx = call->B[2], byy = call->B[3];
 	const real dxx = call->D[0], dyy = call->D[1], dxy = call->D[2];
@@ -43,7 +44,9 @@ BLOCKFN void move(const struct rve_place *at)
 			sy[i] = py;
 			real qx = px - (real)ref_x[i], qy = py - (real)ref_y[i];
 			real ux = hxx * qx + hxy * qy, uy = hyx * qx + hyy * qy;
-			displacement[lane] = real_max(ux * ux + uy * uy, displacement[lane]);
+			real uu = ux * ux + uy * uy;
+			second[lane] = real_max(real_min(uu, most[lane]), second[lane]);
+			most[lane] = real_max(uu, most[lane]);
 		}
 	}
 	SYNC();
@@ -69,7 +72,8 @@ BLOCKFN void contacts(const struct rve_place *at, const int last)
 	GLOBAL const real32 *damping = STATE_DAMPING;
 	GLOBAL real32 *dashpot_force = STATE_FD;
 	LOCAL real *tangential = WORK_PAIR(WORK_FT), *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY);
-	LOCAL real *slot_ti = WORK_PAIR(WORK_TI), *slot_tj = WORK_PAIR(WORK_TJ);
+	LOCAL real *slot_t = WORK_PAIR(WORK_T);
+	const int to_j = at->layout->pair_stride; /* the pair acts on j as it does on i, turned round */
 	SHARED real(*sum)[LANES] = block->lanes;
 
 	for (int base = 0; base < n_pairs; base += LANES) {
@@ -103,10 +107,12 @@ BLOCKFN void contacts(const struct rve_place *at, const int last)
 			real fx = fn * nx - ft * ny, fy = fn * ny + ft * nx;
 			tangential[p] = ft;
 			dashpot_force[p] = (real32)fd;
-			slot_x[p] = fx;
-			slot_y[p] = fy;
-			slot_ti[p] = (ri - half) * ft;
-			slot_tj[p] = (rj - half) * ft;
+			slot_x[p] = -fx;
+			slot_y[p] = -fy;
+			slot_t[p] = (half - ri) * ft;
+			slot_x[p + to_j] = fx;
+			slot_y[p + to_j] = fy;
+			slot_t[p + to_j] = (half - rj) * ft;
 			sum[LANE_WORK][lane] -= fx * ex + fy * ey;
 			sum[LANE_EXPANSION][lane] += spring * (radius[i] + radius[j]);
 			sum[LANE_FRICTION][lane] += slip * half_compliance;
@@ -130,7 +136,7 @@ BLOCKFN void contacts(const struct rve_place *at, const int last)
 				sum[LANE_OVERLAP_FORCE][lane] += spring * (radius[i] + radius[j]);
 				sum[LANE_ELASTIC][lane] += 0.5 * spring * overlap + half_compliance * ft * ft;
 				sum[LANE_CONTACTS][lane] += touching;
-				sum[LANE_SLIDING][lane] += fn > 0.0 && ft_size >= cap ? 1.0 : 0.0;
+				sum[LANE_SLIDING][lane] += (fn > 0.0 ? 1.0 : 0.0) * (ft_size >= cap ? 1.0 : 0.0);
 				sum[LANE_FORCE][lane] += fn;
 				sum[LANE_OVERLAP][lane] = real_max(overlap / real_min(ri, rj), sum[LANE_OVERLAP][lane]);
 			}
@@ -147,19 +153,16 @@ BLOCKFN void contacts_measure(const struct rve_place *at) { contacts(at, 1); }
 BLOCKFN void forces_gather(const struct rve_place *at)
 {
 	LOCAL real *fx = WORK_DISC(WORK_FX), *fy = WORK_DISC(WORK_FY), *torque = WORK_DISC(WORK_TORQUE);
-	LOCAL const real *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY), *slot_t = WORK_PAIR(WORK_TI);
-	const int to_j = at->layout->pair_stride; /* WORK_TJ follows WORK_TI */
+	LOCAL const real *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY), *slot_t = WORK_PAIR(WORK_T);
 	FOR_THREADS(i, at->layout->n) { fx[i] = 0.0, fy[i] = 0.0, torque[i] = 0.0; }
 	for (int level = 0; level < at->block->head.levels; level++) {
-		GLOBAL const index16 *entry = STATE_ENTRY(level);
+		LOCAL const int *entry = WORK_ENTRY(level);
 		const int n = at->block->head.level_discs[level];
 		FOR_THREADS(i, n)
 		{
-			const int e = entry[i], p = e & ENTRY_PAIR, j_side = e >> 15;
-			real x = slot_x[p], y = slot_y[p];
-			fx[i] += j_side ? x : -x;
-			fy[i] += j_side ? y : -y;
-			torque[i] -= slot_t[p + (j_side ? to_j : 0)];
+			fx[i] += slot_x[entry[i]];
+			fy[i] += slot_y[entry[i]];
+			torque[i] += slot_t[entry[i]];
 		}
 	}
 	SYNC();

@@ -116,7 +116,7 @@ static double limited(double x) { return fmax(-1.0, fmin(1.0, x)); }
 
 /* The servo: a rate that grows with the error relative to the target, at most 1/s; sharper than that near the target, where
  * the cell is stiff and answers within a few turns. */
-static double servo(double error) { return limited(5.0 * error); }
+static double servo(double error) { return limited(2.0 * error); }
 
 /* Strains the cell at up to 1/s in each component until the stress is -p I and the discs are at rest. */
 static int compress(const struct rve_model *model, unsigned char *state, double pressure)

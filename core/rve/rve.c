@@ -39,8 +39,8 @@ static int layout_make(struct rve_layout *layout, int n, double skin, double r_m
 	layout->pair_stride = (layout->pairs + 1 + 7) / 8 * 8;
 	layout->levels = 3 + (int)ceil(pi * (1.0 + r_max / r_min) * (1.0 + 0.5 * skin));
 	layout->grid = (int)sqrt((double)n);
-	if (layout->pairs >= ENTRY_PAIR)
-		return error_set(STATUS_INPUT, "an RVE of %d discs: too many, at most %d", n, n * ENTRY_PAIR / layout->pairs);
+	if (2 * layout->pair_stride > UINT16_MAX)
+		return error_set(STATUS_INPUT, "an RVE of %d discs: too many, at most %d", n, (int)((long)n * (UINT16_MAX / 2) / layout->pair_stride));
 	if (layout->levels > RVE_LEVELS_MAX)
 		return error_set(STATUS_INPUT, "radii from %g to %g m: the ratio is too wide, at most about 9", r_min, r_max);
 	int end = sizeof(struct rve_head);
@@ -51,6 +51,7 @@ static int layout_make(struct rve_layout *layout, int n, double skin, double r_m
 	layout->damping = place_array(&end, (int)sizeof(real32) * layout->pairs);
 	layout->pair_i = place_array(&end, (int)sizeof(index16) * layout->pairs);
 	layout->pair_j = place_array(&end, (int)sizeof(index16) * layout->pairs);
+	layout->first = place_array(&end, (int)sizeof(index16) * layout->stride);
 	layout->flag = place_array(&end, layout->pairs);
 	layout->entry = place_array(&end, (int)sizeof(index16) * layout->levels * layout->stride);
 	layout->bytes = (end + 63) / 64 * 64;

@@ -53,8 +53,9 @@ struct rve_layout {
 	int fd;           /* real32: dashpot force of the last sub-step, N */
 	int damping;      /* real32: dashpot coefficient / dt, N/m */
 	int pair_i, pair_j; /* index16 */
+	int first;        /* index16[n + 1]: the pairs of disc i (as i) are first[i] .. first[i+1]-1 */
 	int flag;         /* unsigned char: a contact's history beyond its forces */
-	int entry;        /* index16[levels][stride]: the pairs of a disc; ENTRY_J: the disc is the pair's j */
+	int entry;        /* index16[levels][stride]: the force slots of a disc: pair p, or p + pair_stride where it is the pair's j */
 	int bytes;        /* of a state, a multiple of 64 */
 	int scratch;      /* bytes of a block's scratch memory */
 };
@@ -82,8 +83,6 @@ struct rve_call {
 };
 
 enum rve_kernel_status { KERNEL_OK, KERNEL_SLENDER, KERNEL_CROWDED, KERNEL_LOST };
-
-enum { ENTRY_J = 0x8000, ENTRY_PAIR = 0x7fff };
 
 /* Advances one RVE.  The state changes only if the status is KERNEL_OK.  `table` = TABLE_FIELDS disc arrays. */
 void rve_kernel_base(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
