@@ -49,7 +49,8 @@ static int usage_option(const char *command, int result, char *const *argv)
 	char text[512];
 	const char *word = optopt && result == '?' && optopt < 256 ? NULL : argv[optind - 1];
 	if (word)
-		snprintf(text, sizeof text, "%s: %s `%.200s`", command, result == ':' ? "an argument is missing after" : "unknown option", word);
+		snprintf(text, sizeof text, "%s: %s `%.200s`", command,
+				 result == ':' ? "an argument is missing after" : "unknown option", word);
 	else
 		snprintf(text, sizeof text, "%s: unknown option `-%c`", command, optopt);
 	return usage("%s", text);
@@ -89,8 +90,9 @@ static int parse_device(const char *text)
 	if (!strcmp(text, "cpu"))
 		return STATUS_OK;
 	if (!strcmp(text, "cuda") || !strcmp(text, "opencl"))
-		return error_set(STATUS_INPUT, "--device %s: this release computes on the CPU only; leave the option out or say --device cpu",
-		                 text);
+		return error_set(STATUS_INPUT,
+						 "--device %s: this release computes on the CPU only; leave the option out or say --device cpu",
+						 text);
 	return usage("--device %s: expected cpu", text);
 }
 
@@ -106,13 +108,17 @@ static int take_scene(const char *command, int argc, char **argv, const char **s
 
 static int command_run(int argc, char **argv)
 {
-	static const struct option long_options[] = {
-		{"out", required_argument, NULL, 'o'},     {"force", no_argument, NULL, 'f'},
-		{"set", required_argument, NULL, 's'},     {"threads", required_argument, NULL, 't'},
-		{"device", required_argument, NULL, 'd'},  {"restart", required_argument, NULL, 'r'},
-		{"until", required_argument, NULL, 'u'},   {"quiet", no_argument, NULL, 'q'},
-		{"help", no_argument, NULL, 'h'},          {"allow-path-change", no_argument, NULL, 'p'},
-		{NULL, 0, NULL, 0}};
+	static const struct option long_options[] = {{"out", required_argument, NULL, 'o'},
+												 {"force", no_argument, NULL, 'f'},
+												 {"set", required_argument, NULL, 's'},
+												 {"threads", required_argument, NULL, 't'},
+												 {"device", required_argument, NULL, 'd'},
+												 {"restart", required_argument, NULL, 'r'},
+												 {"until", required_argument, NULL, 'u'},
+												 {"quiet", no_argument, NULL, 'q'},
+												 {"help", no_argument, NULL, 'h'},
+												 {"allow-path-change", no_argument, NULL, 'p'},
+												 {NULL, 0, NULL, 0}};
 	const char *sets[SETS_MOST];
 	struct run_options options = {.sets = sets, .until = NAN, .device = "cpu"};
 	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
@@ -158,9 +164,9 @@ static int command_run(int argc, char **argv)
 static int command_check(int argc, char **argv)
 {
 	static const struct option long_options[] = {{"set", required_argument, NULL, 's'},
-	                                             {"threads", required_argument, NULL, 't'},
-	                                             {"help", no_argument, NULL, 'h'},
-	                                             {NULL, 0, NULL, 0}};
+												 {"threads", required_argument, NULL, 't'},
+												 {"help", no_argument, NULL, 'h'},
+												 {NULL, 0, NULL, 0}};
 	const char *sets[SETS_MOST], *scene = NULL;
 	int n_sets = 0, threads = 0;
 	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
@@ -180,7 +186,8 @@ static int command_check(int argc, char **argv)
 /* Commands whose only option is --json; *word is their one argument, or NULL. */
 static int parse_json(int argc, char **argv, const char *command, bool *json, bool *helped)
 {
-	static const struct option long_options[] = {{"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+	static const struct option long_options[] = {
+		{"json", no_argument, NULL, 'j'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
 	*json = *helped = false;
 	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
 		if (c == 'j')
@@ -213,6 +220,8 @@ static int command_bench(int argc, char **argv)
 	const char *what = optind + 1 == argc ? argv[optind] : "";
 	if (!strcmp(what, "rve"))
 		return bench_rve(json);
+	if (!strcmp(what, "mpm"))
+		return bench_mpm(json);
 	if (!strcmp(what, "image"))
 		return bench_image(json);
 	return usage("%s", "bench: expected one of rve, mpm, image");
@@ -233,7 +242,7 @@ int main(int argc, char **argv)
 	if (!strcmp(name, "rve"))
 		return cli_rve(argc - 1, argv + 1);
 	int status = *name ? usage("`%s` is no command: expected run, check, info, rve or bench", name)
-	                   : usage("%s", "which command? expected run, check, info, rve or bench");
+					   : usage("%s", "which command? expected run, check, info, rve or bench");
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
 		if (!strcmp(name, commands[i].name))
 			status = commands[i].command(argc - 1, argv + 1);

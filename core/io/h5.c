@@ -188,7 +188,7 @@ int h5_read(hid_t parent, const char *name, hid_t type, hsize_t count, void *dat
 	int status = STATUS_OK;
 	if (there < 0 || (hsize_t)there != count)
 		status = error_set(STATUS_INPUT, "%s: `%s` holds %lld values, expected %llu", path, name, (long long)there,
-		                   (unsigned long long)count);
+						   (unsigned long long)count);
 	else if (count && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
 		status = h5_fail("read", path);
 	H5Sclose(space);

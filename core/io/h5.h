@@ -23,7 +23,7 @@ struct h5_output {
 
 int h5_begin(struct h5_output *output, const char *path);
 int h5_commit(struct h5_output *output);
-int h5_publish(struct h5_output *output); /* without waiting for the disk, see file_publish() */
+int h5_publish(struct h5_output *output);  /* without waiting for the disk, see file_publish() */
 void h5_abandon(struct h5_output *output); /* closes and removes; harmless after a commit */
 
 /* Opens an existing file for reading; close with H5Fclose(). */

@@ -49,15 +49,19 @@ static const char *vtk_type(int type)
 	}
 }
 
-static uint64_t vtk_type_bytes(int type) { return type == FRAME_U8 ? 1 : type == FRAME_F32 || type == FRAME_I32 ? 4 : 8; }
+static uint64_t vtk_type_bytes(int type)
+{
+	return type == FRAME_U8 ? 1 : type == FRAME_F32 || type == FRAME_I32 ? 4 : 8;
+}
 
 static int vtk_block(struct vtk_file *file, const char *name, const char *type, int components, const void *data,
-                     uint64_t bytes)
+					 uint64_t bytes)
 {
 	if (file->n_blocks == file->capacity)
 		return error_set(STATUS_RESOURCE, "a VTK file takes at most %d arrays", file->capacity);
-	fprintf(file->stream, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" offset=\"%llu\"/>\n",
-	        type, name, components, (unsigned long long)file->offset);
+	fprintf(file->stream,
+			"<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" offset=\"%llu\"/>\n",
+			type, name, components, (unsigned long long)file->offset);
 	file->blocks[file->n_blocks++] = (struct vtk_block){data, bytes};
 	file->offset += 8 + bytes;
 	return STATUS_OK;
@@ -66,7 +70,7 @@ static int vtk_block(struct vtk_file *file, const char *name, const char *type, 
 static int vtk_array(struct vtk_file *file, const struct frame_array *array, const char *name)
 {
 	return vtk_block(file, name, vtk_type(array->type), array->components, file->frame + array->offset,
-	                 vtk_type_bytes(array->type) * (uint64_t)array->components * (uint64_t)array->count);
+					 vtk_type_bytes(array->type) * (uint64_t)array->components * (uint64_t)array->count);
 }
 
 /* All arrays of the channel at one location, between <tag> and </tag>. */
@@ -123,9 +127,10 @@ static int vtk_poly_data(struct vtk_file *file)
 		return error_set(STATUS_RESOURCE, "the channel %s has no coordinates", channel->name);
 	long long cells = channel->n_cells;
 	bool verts = channel->kind == FRAME_VERTICES, polys = channel->kind == FRAME_QUADS;
-	fprintf(file->stream, "<Piece NumberOfPoints=\"%lld\" NumberOfVerts=\"%lld\" NumberOfLines=\"%lld\" NumberOfStrips=\"0\" "
-	        "NumberOfPolys=\"%lld\">\n",
-	        (long long)channel->n_points, verts ? cells : 0, verts || polys ? 0 : cells, polys ? cells : 0);
+	fprintf(file->stream,
+			"<Piece NumberOfPoints=\"%lld\" NumberOfVerts=\"%lld\" NumberOfLines=\"%lld\" NumberOfStrips=\"0\" "
+			"NumberOfPolys=\"%lld\">\n",
+			(long long)channel->n_points, verts ? cells : 0, verts || polys ? 0 : cells, polys ? cells : 0);
 	CHECK(vtk_data(file, "PointData", FRAME_POINT));
 	CHECK(vtk_data(file, "CellData", FRAME_CELL));
 	fprintf(file->stream, "<Points>\n");
@@ -142,17 +147,21 @@ static int vtk_xml(struct vtk_file *file)
 	const struct frame_channel *channel = file->channel;
 	bool image = channel->kind == FRAME_IMAGE;
 	const char *type = image ? "ImageData" : "PolyData";
-	fprintf(file->stream, "<?xml version=\"1.0\"?>\n<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"LittleEndian\" "
-	        "header_type=\"UInt64\">\n", type);
+	fprintf(file->stream,
+			"<?xml version=\"1.0\"?>\n<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"LittleEndian\" "
+			"header_type=\"UInt64\">\n",
+			type);
 	char extent[96];
 	snprintf(extent, sizeof extent, "0 %d 0 %d 0 0", channel->dims[0] - 1, channel->dims[1] - 1);
 	if (image)
-		fprintf(file->stream, "<ImageData WholeExtent=\"%s\" Origin=\"%.17g %.17g 0\" Spacing=\"%.17g %.17g 1\">\n", extent,
-		        channel->origin[0], channel->origin[1], channel->spacing[0], channel->spacing[1]);
+		fprintf(file->stream, "<ImageData WholeExtent=\"%s\" Origin=\"%.17g %.17g 0\" Spacing=\"%.17g %.17g 1\">\n",
+				extent, channel->origin[0], channel->origin[1], channel->spacing[0], channel->spacing[1]);
 	else
 		fprintf(file->stream, "<PolyData>\n");
-	fprintf(file->stream, "<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">"
-	        "%.17g</DataArray></FieldData>\n", header->time);
+	fprintf(file->stream,
+			"<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">"
+			"%.17g</DataArray></FieldData>\n",
+			header->time);
 	if (image) {
 		fprintf(file->stream, "<Piece Extent=\"%s\">\n", extent);
 		CHECK(vtk_data(file, "PointData", FRAME_POINT));
@@ -173,7 +182,8 @@ static int vtk_xml(struct vtk_file *file)
 int vtk_write(const char *path, const void *frame, int channel)
 {
 	const struct frame_header *header = frame;
-	struct vtk_file file = {.frame = frame, .channel = (const struct frame_channel *)(header + 1) + channel, .number = channel};
+	struct vtk_file file = {
+		.frame = frame, .channel = (const struct frame_channel *)(header + 1) + channel, .number = channel};
 	file.capacity = header->n_arrays + 3;
 	file.blocks = malloc(sizeof *file.blocks * (size_t)file.capacity);
 	if (!file.blocks)

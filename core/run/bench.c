@@ -22,8 +22,8 @@ void bench_report(bool json, const char *name, const double *values, int repeats
 	qsort(sorted, (size_t)n, sizeof *sorted, bench_compare);
 	double median = n % 2 ? sorted[n / 2] : 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]);
 	if (!json) {
-		printf("%-24s %12.5g %-18s (%.5g .. %.5g, %d repeats, %d %s)\n", name, median, unit, sorted[0], sorted[n - 1], n, threads,
-		       threads == 1 ? "thread" : "threads");
+		printf("%-24s %12.5g %-18s (%.5g .. %.5g, %d repeats, %d %s)\n", name, median, unit, sorted[0], sorted[n - 1],
+			   n, threads, threads == 1 ? "thread" : "threads");
 		fflush(stdout);
 		return;
 	}
@@ -47,6 +47,6 @@ void bench_header(bool json, int threads)
 		return;
 	struct machine machine;
 	machine_look(&machine);
-	printf("tmdempm %s, %s, %s; %s (%s), %d %s\n", TMDEMPM_VERSION, TMDEMPM_COMPILER, TMDEMPM_BUILD_TYPE, machine.processor,
-	       machine.isa, threads, threads == 1 ? "thread" : "threads");
+	printf("tmdempm %s, %s, %s; %s (%s), %d %s\n", TMDEMPM_VERSION, TMDEMPM_COMPILER, TMDEMPM_BUILD_TYPE,
+		   machine.processor, machine.isa, threads, threads == 1 ? "thread" : "threads");
 }

@@ -7,15 +7,16 @@
 #include "base/error.h"
 #include "base/mat2.h"
 #include "mpm/shape.h"
-#include "rve/rve.h"
 #include "run/run_private.h"
+#include "rve/rve.h"
 
 static const double CHECK_SECONDS = 1.5; /* of measured steps */
 
 static void check_passes(const struct mpm *mpm)
 {
 	const struct scene *scene = mpm->scene;
-	printf("passes     %s shape functions, order %s, transfer %s", mpm->shape->name, scene->mpm.order, scene->mpm.transfer);
+	printf("passes     %s shape functions, order %s, transfer %s", mpm->shape->name, scene->mpm.order,
+		   scene->mpm.transfer);
 	if (scene->mpm.pic_fraction > 0)
 		printf(" with %g PIC a step", scene->mpm.pic_fraction);
 	printf("\n           %s\n", mpm->thermal ? "heat: thermal pass on the same grid" : "no heat: no thermal pass");
@@ -24,10 +25,11 @@ static void check_passes(const struct mpm *mpm)
 	if (mpm->thermal && scene->time.thermal_every > 1)
 		printf("           one thermal step every %d steps\n", scene->time.thermal_every);
 	for (int l = 0; l < mpm->n_laws; l++)
-		printf("           law %s (%s): %d points, %.1f kB of state each\n", mpm->laws[l]->name, mpm->laws[l]->type->name,
-		       mpm->laws[l]->n_points, 1e-3 * (double)mpm->laws[l]->state_bytes);
+		printf("           law %s (%s): %d points, %.1f kB of state each\n", mpm->laws[l]->name,
+			   mpm->laws[l]->type->name, mpm->laws[l]->n_points, 1e-3 * (double)mpm->laws[l]->state_bytes);
 	if (scene->n_walls + scene->n_boundaries + scene->n_stages > 0)
-		printf("           %d walls, %d boundary values, %d stages\n", scene->n_walls, scene->n_boundaries, scene->n_stages);
+		printf("           %d walls, %d boundary values, %d stages\n", scene->n_walls, scene->n_boundaries,
+			   scene->n_stages);
 }
 
 static long check_rves(const struct mpm *mpm, int *discs)
@@ -51,7 +53,7 @@ static void check_sizes(const struct mpm *mpm)
 	int discs;
 	long rves = check_rves(mpm, &discs);
 	printf("points     %d\nnodes      %d x %d = %d, cells of %g m\n", mpm->p.n, mpm->grid.nx, mpm->grid.ny,
-	       mpm->grid.nx * mpm->grid.ny, mpm->grid.h);
+		   mpm->grid.nx * mpm->grid.ny, mpm->grid.h);
 	if (rves)
 		printf("RVEs       %ld of %d discs each\n", rves, discs);
 	else
@@ -78,14 +80,15 @@ static void check_step(const struct mpm *mpm)
 		if (limit < thermal)
 			thermal = limit, conducting = i;
 	}
-	double thermal_step = scene->time.step * scene->time.thermal_every / (scene->time.thermal_steps > 1 ? scene->time.thermal_steps : 1);
-	printf("step       %g s, %.1f %% of the mechanical limit %.3g s\n", scene->time.step, 100 * scene->time.step / mechanical,
-	       mechanical);
+	double thermal_step =
+		scene->time.step * scene->time.thermal_every / (scene->time.thermal_steps > 1 ? scene->time.thermal_steps : 1);
+	printf("step       %g s, %.1f %% of the mechanical limit %.3g s\n", scene->time.step,
+		   100 * scene->time.step / mechanical, mechanical);
 	printf("           set by point %d: P-wave modulus %.3g Pa, %g h sqrt(rho/M)\n", p->id[stiff], p->modulus[stiff],
-	       scene->time.step_factor);
+		   scene->time.step_factor);
 	if (isfinite(thermal))
 		printf("           thermal step %.3g s, %.1f %% of its limit %.3g s (point %d: rho c h^2 / 2k)\n", thermal_step,
-		       100 * thermal_step / thermal, thermal, p->id[conducting]);
+			   100 * thermal_step / thermal, thermal, p->id[conducting]);
 	if (scene->time.step > mechanical || thermal_step > thermal)
 		printf("           OVER THE LIMIT: the run would stop at once\n");
 }
@@ -105,11 +108,12 @@ static int check_estimate(struct mpm *mpm, long long steps)
 	if (done == 0)
 		return STATUS_OK;
 	double per_step = (now - start) / (double)done, total = per_step * (double)steps;
-	printf("time       %lld steps at %.3g ms: about %.3g s (%.1f min) with %d threads, as the first %lld steps went\n", steps,
-	       1e3 * per_step, total, total / 60, omp_get_max_threads(), done);
+	printf("time       %lld steps at %.3g ms: about %.3g s (%.1f min) with %d threads, as the first %lld steps went\n",
+		   steps, 1e3 * per_step, total, total / 60, omp_get_max_threads(), done);
 	int discs;
 	if (check_rves(mpm, &discs))
-		printf("           RVEs that are sheared need more sub-steps, flying ones none: expect half to a few times that\n");
+		printf("           RVEs that are sheared need more sub-steps, flying ones none: expect half to a few times "
+			   "that\n");
 	return STATUS_OK;
 }
 
@@ -132,9 +136,10 @@ int run_check(const char *scene_path, int n_sets, const char *const *sets, int t
 		status = check_estimate(mpm, (long long)ceil(scene->time.end / scene->time.step - 1e-6));
 	}
 	if (status == STATUS_OK)
-		printf("output     history every %g s, snapshots every %g s, checkpoints every %g s, %d probes, %d inspected RVEs, %d images\n",
-		       scene->output.history_every, scene->output.snapshot_every, scene->output.checkpoint_every, scene->n_probes,
-		       scene->n_inspect, scene->n_images);
+		printf("output     history every %g s, snapshots every %g s, checkpoints every %g s, %d probes, %d inspected "
+			   "RVEs, %d images\n",
+			   scene->output.history_every, scene->output.snapshot_every, scene->output.checkpoint_every,
+			   scene->n_probes, scene->n_inspect, scene->n_images);
 	if (status == STATUS_OK && scene->n_images > 0 && !viewer_program())
 		printf("           no viewer is installed: no pictures (see tmdempm info)\n");
 	mpm_free(mpm);

@@ -49,7 +49,8 @@ static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct
 	CHECK(h5_group(&group, file, "history"));
 	int status = h5_attribute_number(group, ".", "time", memory->time);
 	if (status == STATUS_OK)
-		status = h5_write(group, "region_mass", H5T_NATIVE_DOUBLE, (hsize_t)mpm->scene->n_regions, 0, memory->region_mass);
+		status =
+			h5_write(group, "region_mass", H5T_NATIVE_DOUBLE, (hsize_t)mpm->scene->n_regions, 0, memory->region_mass);
 	H5Gclose(group);
 	return status;
 }
@@ -95,8 +96,8 @@ static int checkpoint_open(hid_t *file, const char *path)
 	else
 		status = h5_read_integer(*file, "version", &version, path);
 	if (status == STATUS_OK && version != CHECKPOINT_VERSION)
-		status = error_set(STATUS_INPUT, "%s has the format version %lld, expected %d: it is another release's", path, version,
-		                   CHECKPOINT_VERSION);
+		status = error_set(STATUS_INPUT, "%s has the format version %lld, expected %d: it is another release's", path,
+						   version, CHECKPOINT_VERSION);
 	free(format);
 	if (status != STATUS_OK)
 		H5Fclose(*file);
@@ -111,8 +112,10 @@ static int checkpoint_compare(hid_t file, const char *path, const struct scene *
 	free(text);
 	if (same)
 		return STATUS_OK;
-	return error_set(STATUS_INPUT, "%s does not belong to this scene: %s; a restart may change time.end, output, images "
-	                 "and inspect only", path, what);
+	return error_set(STATUS_INPUT,
+					 "%s does not belong to this scene: %s; a restart may change time.end, output, images "
+					 "and inspect only",
+					 path, what);
 }
 
 int checkpoint_check_scene(const char *path, const struct scene *scene)
@@ -124,7 +127,8 @@ int checkpoint_check_scene(const char *path, const struct scene *scene)
 	return status;
 }
 
-static int checkpoint_read_history(hid_t file, const char *path, const struct scene *scene, struct history_memory *memory)
+static int checkpoint_read_history(hid_t file, const char *path, const struct scene *scene,
+								   struct history_memory *memory)
 {
 	hid_t group = H5Gopen2(file, "history", H5P_DEFAULT);
 	if (group < 0)
@@ -157,8 +161,10 @@ static int checkpoint_check_path(hid_t file, const char *path, bool allow_path_c
 	CHECK(h5_read_attribute_text(file, "code_path", &stored, path));
 	int status = STATUS_OK;
 	if (strcmp(stored, code_path) && !allow_path_change)
-		status = error_set(STATUS_INPUT, "%s was computed on the path `%s`, this run would use `%s`: the bits would change; "
-		                   "--allow-path-change accepts that", path, stored, code_path);
+		status = error_set(STATUS_INPUT,
+						   "%s was computed on the path `%s`, this run would use `%s`: the bits would change; "
+						   "--allow-path-change accepts that",
+						   path, stored, code_path);
 	free(stored);
 	return status;
 }

@@ -64,7 +64,8 @@ void fields_free(struct run_fields *fields)
 }
 
 /* The law's values go to the places of its points. */
-static void fields_get_law(struct run_fields *fields, const struct mpm *mpm, int l, int law_field, int components, double *out)
+static void fields_get_law(struct run_fields *fields, const struct mpm *mpm, int l, int law_field, int components,
+						   double *out)
 {
 	int n = 0;
 	for (int p = 0; p < mpm->p.n; p++)
@@ -76,7 +77,7 @@ static void fields_get_law(struct run_fields *fields, const struct mpm *mpm, int
 	law->type->export_field(law, law_field, n, fields->slots, fields->values);
 	for (int k = 0; k < n; k++)
 		memcpy(out + (size_t)fields->points[k] * (size_t)components, fields->values + (size_t)k * (size_t)components,
-		       (size_t)components * sizeof *out);
+			   (size_t)components * sizeof *out);
 }
 
 void fields_get(struct run_fields *fields, const struct mpm *mpm, int f, double *out)
@@ -92,7 +93,7 @@ void fields_get(struct run_fields *fields, const struct mpm *mpm, int f, double 
 		for (int l = 0; l < mpm->n_laws; l++)
 			for (int g = 0; g < mpm->laws[l]->type->n_fields; g++)
 				if (!strcmp(mpm->laws[l]->type->fields[g].name, field->field->name) &&
-				    mpm->laws[l]->type->fields[g].components == components)
+					mpm->laws[l]->type->fields[g].components == components)
 					fields_get_law(fields, mpm, l, g, components, out);
 	}
 	if (!strcmp(field->field->unit, "T"))

@@ -31,7 +31,7 @@ static int folder_is_used(const char *folder)
 		if (errno == ENOENT)
 			return 0;
 		error_set(errno == ENOTDIR ? STATUS_INPUT : STATUS_RESOURCE, "cannot use %s as output folder: %s", folder,
-		          strerror(errno));
+				  strerror(errno));
 		return -1;
 	}
 	int used = 0;
@@ -55,17 +55,21 @@ int folder_check(const char *folder, bool force, bool restart)
 	if (!used || (restart ? folder_has_history(folder) : force))
 		return STATUS_OK;
 	if (restart)
-		return error_set(STATUS_INPUT, "the folder %s is not empty and no run's: give the folder of the run that is "
-		                 "continued, or a new one, with --out", folder);
-	return error_set(STATUS_INPUT, "the output folder %s is not empty: choose another with --out, or move it aside with "
-	                 "--force", folder);
+		return error_set(STATUS_INPUT,
+						 "the folder %s is not empty and no run's: give the folder of the run that is "
+						 "continued, or a new one, with --out",
+						 folder);
+	return error_set(STATUS_INPUT,
+					 "the output folder %s is not empty: choose another with --out, or move it aside with "
+					 "--force",
+					 folder);
 }
 
 static int folder_move_aside(const char *folder, char moved[FILE_PATH])
 {
 	for (int n = 1; n < 10000; n++) {
-		if (snprintf(moved, FILE_PATH, "%.*s.old-%d", (int)(strlen(folder) - (folder[strlen(folder) - 1] == '/')), folder, n) >=
-		    FILE_PATH)
+		if (snprintf(moved, FILE_PATH, "%.*s.old-%d", (int)(strlen(folder) - (folder[strlen(folder) - 1] == '/')),
+					 folder, n) >= FILE_PATH)
 			return error_set(STATUS_INPUT, "%s: the name is too long", folder);
 		if (file_exists(moved))
 			continue;

@@ -16,7 +16,7 @@ struct frame_work {
 };
 
 static struct frame_channel *frame_new_channel(struct frame_work *work, const char *name, int kind, int64_t points,
-                                               int64_t cells)
+											   int64_t cells)
 {
 	struct frame_channel *channel = frame_channel_add(work->builder, name, kind, points, cells);
 	work->failed |= !channel;
@@ -24,7 +24,7 @@ static struct frame_channel *frame_new_channel(struct frame_work *work, const ch
 }
 
 static void *frame_new_array(struct frame_work *work, const char *name, const char *unit, int location, int type,
-                             int components, int64_t count)
+							 int components, int64_t count)
 {
 	if (work->failed)
 		return NULL;
@@ -51,8 +51,8 @@ static void frame_point_arrays(struct frame_work *work, int location)
 		memcpy(material, p->material, (size_t)p->n * sizeof *material);
 	for (int f = 0; f < work->fields->n; f++) {
 		const struct run_field *field = &work->fields->fields[f];
-		double *values = frame_new_array(work, field->field->name, field->unit, location, FRAME_F64,
-		                                 field->field->components, p->n);
+		double *values =
+			frame_new_array(work, field->field->name, field->unit, location, FRAME_F64, field->field->components, p->n);
 		if (values)
 			fields_get(work->fields, work->mpm, f, values);
 	}
@@ -91,7 +91,8 @@ static void frame_grid(struct frame_work *work)
 {
 	const struct grid *grid = &work->mpm->grid;
 	int64_t n = (int64_t)grid->nx * grid->ny;
-	struct frame_channel *channel = frame_new_channel(work, "grid", FRAME_IMAGE, n, (int64_t)(grid->nx - 1) * (grid->ny - 1));
+	struct frame_channel *channel =
+		frame_new_channel(work, "grid", FRAME_IMAGE, n, (int64_t)(grid->nx - 1) * (grid->ny - 1));
 	if (!channel)
 		return;
 	channel->dims[0] = grid->nx, channel->dims[1] = grid->ny;
@@ -106,7 +107,8 @@ static void frame_grid(struct frame_work *work)
 			v[i][0] = grid->v_new[i][0], v[i][1] = grid->v_new[i][1];
 	if (!work->mpm->thermal)
 		return;
-	double *T = frame_new_array(work, "temperature", scene_temperature_unit(work->mpm->scene), FRAME_POINT, FRAME_F64, 1, n);
+	double *T =
+		frame_new_array(work, "temperature", scene_temperature_unit(work->mpm->scene), FRAME_POINT, FRAME_F64, 1, n);
 	for (int64_t i = 0; T && i < n; i++)
 		T[i] = grid->mass[i] > 0 ? scene_temperature_out(work->mpm->scene, grid->T_new[i]) : NAN;
 }
@@ -166,8 +168,8 @@ static void frame_walls(struct frame_work *work)
 
 /* ---- RVEs ---- */
 
-static void frame_discs(struct frame_work *work, const char *name, const struct rve_disc *discs, int n, const double H[4],
-                        const char *note, double temperature)
+static void frame_discs(struct frame_work *work, const char *name, const struct rve_disc *discs, int n,
+						const double H[4], const char *note, double temperature)
 {
 	char channel_name[FRAME_NAME];
 	snprintf(channel_name, sizeof channel_name, "rve_%.48s_discs", name);
@@ -191,7 +193,8 @@ static void frame_discs(struct frame_work *work, const char *name, const struct 
 	int32_t *coordination = frame_new_array(work, "coordination", "-", FRAME_POINT, FRAME_I32, 1, n);
 	for (int i = 0; coordination && i < n; i++)
 		coordination[i] = discs[i].contacts;
-	double *T = frame_new_array(work, "temperature", scene_temperature_unit(work->mpm->scene), FRAME_POINT, FRAME_F64, 1, n);
+	double *T =
+		frame_new_array(work, "temperature", scene_temperature_unit(work->mpm->scene), FRAME_POINT, FRAME_F64, 1, n);
 	for (int i = 0; T && i < n; i++)
 		T[i] = temperature;
 }
@@ -239,8 +242,8 @@ static void frame_contact_numbers(struct frame_work *work, const struct rve_cont
 		copy[k] = image[k];
 }
 
-static void frame_contacts(struct frame_work *work, const char *name, const struct rve_contact *contacts, const int *image,
-                           int n, const double H[4], const char *note)
+static void frame_contacts(struct frame_work *work, const char *name, const struct rve_contact *contacts,
+						   const int *image, int n, const double H[4], const char *note)
 {
 	char channel_name[FRAME_NAME];
 	snprintf(channel_name, sizeof channel_name, "rve_%.48s_contacts", name);
@@ -258,10 +261,11 @@ static void frame_contacts(struct frame_work *work, const char *name, const stru
 
 static void frame_rve_note(const struct mpm *mpm, const struct rve_info *info, int point, char note[256])
 {
-	int n = snprintf(note, 256, "p = %.3g kPa, e = %.3f, Z = %.2f", info->pressure * 1e-3, info->void_ratio, info->coordination);
+	int n = snprintf(note, 256, "p = %.3g kPa, e = %.3f, Z = %.2f", info->pressure * 1e-3, info->void_ratio,
+					 info->coordination);
 	if (mpm->thermal)
 		n += snprintf(note + n, 256 - (size_t)n, ", T = %.5g %s%s", scene_temperature_out(mpm->scene, mpm->p.T[point]),
-		              mpm->scene->units.celsius ? "\302\260" : "", scene_temperature_unit(mpm->scene));
+					  mpm->scene->units.celsius ? "\302\260" : "", scene_temperature_unit(mpm->scene));
 	if (info->flags & RVE_GAS)
 		n += snprintf(note + n, 256 - (size_t)n, ", flying");
 	if (info->flags & RVE_FROZEN)
@@ -299,7 +303,7 @@ static void frame_rve(struct frame_work *work, const struct scene_inspect *inspe
 }
 
 int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run_fields *fields, const void **frame,
-                int64_t *bytes)
+				int64_t *bytes)
 {
 	const struct scene *scene = mpm->scene;
 	struct frame_work work = {builder, mpm, fields, false};

@@ -11,7 +11,7 @@
 
 /* Lays out the frame of the state as it is; valid until the next frame_begin() of this builder. */
 int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run_fields *fields, const void **frame,
-                int64_t *bytes);
+				int64_t *bytes);
 
 /* The quad that stands for a point: 4 corners, counter-clockwise, in m.
  *

@@ -1,8 +1,8 @@
 #include "run/history.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -11,8 +11,8 @@
 enum { LEDGER_COLUMNS = 8, NAME_BYTES = 160 };
 
 /* What the ledger of an RVE gives, in the order of struct law_ledger. */
-static const char *const ledger_names[LEDGER_COLUMNS] = {"work", "elastic", "kinetic", "friction",
-                                                         "dashpot", "bond", "expansion", "discarded"};
+static const char *const ledger_names[LEDGER_COLUMNS] = {"work",    "elastic", "kinetic",   "friction",
+														 "dashpot", "bond",    "expansion", "discarded"};
 
 /* A probe's value is a weighted mean over points: one point, its initial neighbours, or those around a place. */
 struct probe {
@@ -128,7 +128,7 @@ static void probe_ledgers(const struct history *history, int i, double out[LEDGE
 		struct law_ledger ledger;
 		law->type->ledger(law, mpm->p.slot[point], &ledger);
 		const double values[LEDGER_COLUMNS] = {ledger.work,    ledger.elastic, ledger.kinetic,   ledger.friction,
-		                                       ledger.dashpot, ledger.bond,    ledger.expansion, ledger.discarded};
+											   ledger.dashpot, ledger.bond,    ledger.expansion, ledger.discarded};
 		for (int c = 0; c < LEDGER_COLUMNS; c++)
 			out[c] += probe->weight[k] * values[c];
 	}
@@ -136,8 +136,8 @@ static void probe_ledgers(const struct history *history, int i, double out[LEDGE
 
 /* ---- the header ---- */
 
-static void history_name(struct history *history, const char *prefix, const char *owner, const char *what, const char *ending,
-                         const char *unit)
+static void history_name(struct history *history, const char *prefix, const char *owner, const char *what,
+						 const char *ending, const char *unit)
 {
 	char name[NAME_BYTES];
 	snprintf(name, sizeof name, "%s%s%s%s%s", prefix, owner, *owner ? "." : "", what, ending);
@@ -208,7 +208,8 @@ static void history_probe(struct history *history, int i)
 	if (probe->kind == SCENE_PROBE_AT)
 		probe_at(&history->probes[i], mpm, probe->at);
 	for (int c = 0; c < 2; c++)
-		csv_number(history->csv, probe->kind == SCENE_PROBE_AT ? probe->at[c] : probe_mean(history, i, mpm->p.x[0], 2, c));
+		csv_number(history->csv,
+				   probe->kind == SCENE_PROBE_AT ? probe->at[c] : probe_mean(history, i, mpm->p.x[0], 2, c));
 	for (int f = 0; f < history->fields->n; f++) {
 		int components = history->fields->fields[f].field->components;
 		for (int c = 0; c < components; c++)
@@ -283,7 +284,7 @@ void history_memory_free(struct history_memory *memory)
 }
 
 int history_create(struct history **result, const char *path, const struct mpm *mpm, struct run_fields *fields,
-                   struct history_memory *memory, bool append)
+				   struct history_memory *memory, bool append)
 {
 	*result = NULL;
 	struct history *history = calloc(1, sizeof *history);

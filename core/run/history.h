@@ -21,7 +21,7 @@ void history_memory_free(struct history_memory *memory);
 /* Opens `path`; with `append` rows are added to those up to the memory's time, else the file starts with its
  * header.  `memory` stays the caller's and is kept up to date. */
 int history_create(struct history **history, const char *path, const struct mpm *mpm, struct run_fields *fields,
-                   struct history_memory *memory, bool append);
+				   struct history_memory *memory, bool append);
 int history_close(struct history *history); /* NULL is allowed */
 
 /* A row of the state as it is.  `scheduled` rows are what the next one's flows refer to; a row between

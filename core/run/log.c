@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -18,10 +19,7 @@ double clock_seconds(void)
 
 double log_elapsed(const struct run_log *log) { return clock_seconds() - log->start; }
 
-void log_start(struct run_log *log, bool quiet)
-{
-	*log = (struct run_log){.quiet = quiet, .start = clock_seconds()};
-}
+void log_start(struct run_log *log, bool quiet) { *log = (struct run_log){.quiet = quiet, .start = clock_seconds()}; }
 
 int log_open(struct run_log *log, const char *path)
 {
@@ -96,7 +94,10 @@ void log_progress(struct run_log *log, const char *text)
 	if (log->quiet)
 		return;
 	if (isatty(STDERR_FILENO)) {
-		fprintf(stderr, "\r%s\033[K", text);
+		struct winsize window;
+		bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 1;
+		/* a line that wraps could not be rewritten */
+		fprintf(stderr, "\r%.*s\033[K", known ? window.ws_col - 1 : 79, text);
 		log->line_open = true;
 	} else {
 		fprintf(stderr, "%s\n", text);

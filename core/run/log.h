@@ -8,10 +8,10 @@
 enum { LOG_WARNINGS = 64 };
 
 struct run_log {
-	FILE *file;    /* log.txt; NULL before it is open */
-	bool quiet;    /* nothing but warnings and errors on the terminal */
+	FILE *file;     /* log.txt; NULL before it is open */
+	bool quiet;     /* nothing but warnings and errors on the terminal */
 	bool line_open; /* a progress line stands on the terminal without its end */
-	double start;  /* s, monotonic clock */
+	double start;   /* s, monotonic clock */
 	int n_warnings; /* all of them; the first LOG_WARNINGS are kept for run.json */
 	char *warnings[LOG_WARNINGS];
 };

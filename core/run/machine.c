@@ -27,7 +27,8 @@ void machine_look(struct machine *machine)
 	machine->memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
 	FILE *stream = fopen("/proc/cpuinfo", "re");
 	char line[8192];
-	while (stream && fgets(line, sizeof line, stream) && !(machine->isa[0] && strncmp(machine->processor, "unknown", 7))) {
+	while (stream && fgets(line, sizeof line, stream) &&
+		   !(machine->isa[0] && strncmp(machine->processor, "unknown", 7))) {
 		char *value = strchr(line, ':');
 		if (!value)
 			continue;

@@ -4,9 +4,9 @@
 
 struct machine {
 	char processor[128];
-	char isa[64];     /* the vector instruction sets that matter: "avx2 fma avx512f" */
-	int threads;      /* that OpenMP would use */
-	double memory;    /* bytes installed */
+	char isa[64];  /* the vector instruction sets that matter: "avx2 fma avx512f" */
+	int threads;   /* that OpenMP would use */
+	double memory; /* bytes installed */
 };
 
 void machine_look(struct machine *machine);

@@ -57,7 +57,7 @@ static int path_open(struct path *path, const char *file, bool append)
 }
 
 static int paths_add(struct paths *paths, const struct scene_inspect *inspect, const char *folder, bool restart,
-                     struct run_log *log)
+					 struct run_log *log)
 {
 	const struct mpm *mpm = paths->mpm;
 	int point = inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
@@ -72,8 +72,10 @@ static int paths_add(struct paths *paths, const struct scene_inspect *inspect, c
 	if (restart)
 		CHECK(path_cut(file, mpm->step, &found));
 	if (restart && found != mpm->step) {
-		log_warning(log, "rve/%s is not written: this folder has no record of it from the first step on, and a part "
-		            "of a path cannot be replayed", name);
+		log_warning(log,
+					"rve/%s is not written: this folder has no record of it from the first step on, and a part "
+					"of a path cannot be replayed",
+					name);
 		return STATUS_OK;
 	}
 	paths->n++;

@@ -51,8 +51,8 @@ static int progress_temperature(const struct mpm *mpm, char *text, size_t size)
 		low = fmin(low, mpm->p.T[p]);
 		high = fmax(high, mpm->p.T[p]);
 	}
-	return snprintf(text, size, ", T %.5g .. %.5g %s", scene_temperature_out(mpm->scene, low),
-	                scene_temperature_out(mpm->scene, high), scene_temperature_unit(mpm->scene));
+	return snprintf(text, size, ", T %.6g .. %.6g %s", scene_temperature_out(mpm->scene, low),
+					scene_temperature_out(mpm->scene, high), scene_temperature_unit(mpm->scene));
 }
 
 static void progress_text(const struct run *run, char *text, size_t size)
@@ -66,8 +66,8 @@ static void progress_text(const struct run *run, char *text, size_t size)
 	progress_rate(elapsed > 0 ? (double)done * mpm->p.n / elapsed : 0, points);
 	progress_rate(elapsed > 0 ? (double)(counts.disc_steps - run->first_disc_steps) / elapsed : 0, discs);
 	progress_duration(done > 0 ? elapsed / (double)done * (double)left : INFINITY, eta);
-	int n = snprintf(text, size, "step %lld/%lld, t %.5g s, dt %.3g s, %spoint-steps/s", mpm->step, run->last_step, mpm->time,
-	                 mpm->dt, points);
+	int n = snprintf(text, size, "step %lld/%lld, t %.5g s, dt %.3g s, %spoint-steps/s", mpm->step, run->last_step,
+					 mpm->time, mpm->dt, points);
 	if (counts.disc_steps > 0)
 		n += snprintf(text + n, size - (size_t)n, ", %sdisc-steps/s", discs);
 	n += snprintf(text + n, size - (size_t)n, ", ETA %s", eta);

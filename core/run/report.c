@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "run/json.h"
 #include "run/run_private.h"
+#include "rve/model.h"
 #include "version.h"
 
 enum { INERTIA_BINS = 12, REPORT_NAME = 128 };
@@ -122,6 +123,7 @@ static void report_fill(struct json *json, const struct run *run, const char *st
 	json_text(json, "compiler", TMDEMPM_COMPILER);
 	json_text(json, "build", TMDEMPM_BUILD_TYPE);
 	json_text(json, "code_path", checkpoint_code_path());
+	json_text(json, "rve_isa", rve_isa());
 	json_text(json, "state", state);
 	json_text(json, "title", run->scene->title);
 	report_options(json, run);
@@ -170,10 +172,10 @@ static void report_print_times(struct run *run)
 	report_task(run, "viewer wait", viewer, total);
 	report_task(run, "total", total, total);
 	log_line(&run->log, "  %.4g point-steps/s, %.4g disc-steps/s", report_rate(steps * run->mpm->p.n, total),
-	         report_rate((double)(counts.disc_steps - run->first_disc_steps), total));
+			 report_rate((double)(counts.disc_steps - run->first_disc_steps), total));
 	if (counts.disc_steps > 0)
 		log_line(&run->log, "RVEs: %lld flying, %lld frozen, %lld re-seeded, %lld steps with N clamped", counts.gas,
-		         counts.frozen, counts.reseeded, counts.clamped);
+				 counts.frozen, counts.reseeded, counts.clamped);
 }
 
 void report_print(struct run *run)

@@ -20,7 +20,10 @@ long long schedule_steps(const struct scene *scene, double seconds)
 
 bool schedule_due(long long every, long long step) { return every > 0 && step % every == 0; }
 
-static int run_path(const struct run *run, const char *name, char path[FILE_PATH]) { return file_join(path, run->folder, name); }
+static int run_path(const struct run *run, const char *name, char path[FILE_PATH])
+{
+	return file_join(path, run->folder, name);
+}
 
 /* ---- output ---- */
 
@@ -68,8 +71,8 @@ static bool run_is_finite(const struct mpm *mpm)
 {
 	const struct particles *p = &mpm->p;
 	for (int i = 0; i < p->n; i++)
-		if (!isfinite(p->x[i][0] + p->x[i][1] + p->v[i][0] + p->v[i][1] + p->F[i][0] + p->F[i][1] + p->F[i][2] + p->F[i][3] +
-		              p->stress[i][0] + p->stress[i][1] + p->stress[i][2] + p->stress[i][3] + p->T[i]))
+		if (!isfinite(p->x[i][0] + p->x[i][1] + p->v[i][0] + p->v[i][1] + p->F[i][0] + p->F[i][1] + p->F[i][2] +
+					  p->F[i][3] + p->stress[i][0] + p->stress[i][1] + p->stress[i][2] + p->stress[i][3] + p->T[i]))
 			return false;
 	return true;
 }
@@ -80,7 +83,8 @@ static int run_guarded(struct run *run)
 	char message[2048];
 	snprintf(message, sizeof message, "%s", error_message());
 	if (!run_is_finite(run->mpm))
-		return error_set(STATUS_GUARD, "%s (the state is not finite: checkpoint.h5 is still the last good one)", message);
+		return error_set(STATUS_GUARD, "%s (the state is not finite: checkpoint.h5 is still the last good one)",
+						 message);
 	int status = run_output(run, true);
 	if (status == STATUS_OK)
 		status = run_checkpoint(run);
@@ -112,8 +116,9 @@ static int run_loop(struct run *run)
 	CHECK(run_checkpoint(run));
 	progress_update(run, true);
 	if (mpm->step < run->last_step)
-		return error_set(STATUS_INTERRUPTED, "interrupted at step %lld, time %.6g s: continue with --restart %s/checkpoint.h5",
-		                 mpm->step, mpm->time, run->folder);
+		return error_set(STATUS_INTERRUPTED,
+						 "interrupted at step %lld, time %.6g s: continue with --restart %s/checkpoint.h5", mpm->step,
+						 mpm->time, run->folder);
 	return STATUS_OK;
 }
 
@@ -151,7 +156,8 @@ static int run_prepare(struct run *run)
 	if (restart)
 		CHECK(checkpoint_read(options->restart, run->mpm, &run->memory, options->allow_path_change));
 	if (run->mpm->step > run->last_step)
-		return error_set(STATUS_INPUT, "%s stands at %.9g s, after the end of this run", options->restart, run->mpm->time);
+		return error_set(STATUS_INPUT, "%s stands at %.9g s, after the end of this run", options->restart,
+						 run->mpm->time);
 	run->first_step = run->mpm->step;
 	return fields_create(&run->fields, run->mpm);
 }
@@ -180,11 +186,12 @@ static void run_announce(struct run *run)
 {
 	const struct run_options *options = run->options;
 	struct law_counts counts;
-	log_line(&run->log, "%s: %d points, %d x %d nodes, %lld steps of %g s, %d threads, output in %s", options->scene_path,
-	         run->mpm->p.n, run->mpm->grid.nx, run->mpm->grid.ny, run->last_step - run->first_step, run->scene->time.step,
-	         run->threads, run->folder);
+	log_line(&run->log, "%s: %d points, %d x %d nodes, %lld steps of %g s, %d threads, output in %s",
+			 options->scene_path, run->mpm->p.n, run->mpm->grid.nx, run->mpm->grid.ny, run->last_step - run->first_step,
+			 run->scene->time.step, run->threads, run->folder);
 	if (options->restart)
-		log_line(&run->log, "continues %s from step %lld, time %.9g s", options->restart, run->mpm->step, run->mpm->time);
+		log_line(&run->log, "continues %s from step %lld, time %.9g s", options->restart, run->mpm->step,
+				 run->mpm->time);
 	run_counts(run, &counts);
 	run->first_disc_steps = counts.disc_steps;
 }

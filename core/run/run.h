@@ -7,12 +7,12 @@
 struct run_options {
 	const char *scene_path;
 	int n_sets;
-	const char *const *sets;  /* path=value */
-	const char *out;          /* folder; NULL = NAME.out in the working directory */
-	int threads;              /* 0 = all */
-	const char *device;       /* "cpu" */
-	const char *restart;      /* checkpoint file or NULL */
-	double until;             /* s, NAN = the scene's end */
+	const char *const *sets; /* path=value */
+	const char *out;         /* folder; NULL = NAME.out in the working directory */
+	int threads;             /* 0 = all */
+	const char *device;      /* "cpu" */
+	const char *restart;     /* checkpoint file or NULL */
+	double until;            /* s, NAN = the scene's end */
 	bool quiet, force, allow_path_change;
 };
 

@@ -45,7 +45,7 @@ int checkpoint_check_scene(const char *path, const struct scene *scene);
 struct snapshots;
 
 int snapshots_create(struct snapshots **snapshots, const struct mpm *mpm, struct run_fields *fields, const char *folder,
-                     bool restart);
+					 bool restart);
 void snapshots_free(struct snapshots *snapshots);
 
 /* Writes the state as it is; `frame` feeds the VTK files (NULL = none). */
@@ -78,7 +78,7 @@ void images_free(struct images *images);
 /* ---- signals.c ---- */
 
 void signals_install(void);
-int signals_stop(void);            /* the signal that asks to stop, or 0 */
+int signals_stop(void);             /* the signal that asks to stop, or 0 */
 bool signals_take_checkpoint(void); /* SIGUSR1 came; asked once */
 
 /* ---- the run itself ---- */
@@ -100,11 +100,11 @@ struct run {
 	long long first_step, last_step;
 	long long history_every, snapshot_every, checkpoint_every; /* steps */
 	long long first_disc_steps;
-	double loop_start;      /* s, clock_seconds() */
-	double loop_time;       /* s, when it is over */
-	double setup_time;      /* s */
-	double output_time;     /* s, without the wait for the viewer */
-	double next_progress;   /* s, clock_seconds() */
+	double loop_start;    /* s, clock_seconds() */
+	double loop_time;     /* s, when it is over */
+	double setup_time;    /* s */
+	double output_time;   /* s, without the wait for the viewer */
+	double next_progress; /* s, clock_seconds() */
 };
 
 /* ---- progress.c and report.c ---- */

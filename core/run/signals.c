@@ -30,7 +30,9 @@ void signals_install(void)
 	action.sa_handler = signals_on_stop;
 	sigaction(SIGINT, &action, NULL);
 	sigaction(SIGTERM, &action, NULL);
-	sigaction(SIGHUP, &action, NULL);
+	struct sigaction hangup;
+	if (sigaction(SIGHUP, NULL, &hangup) == 0 && hangup.sa_handler != SIG_IGN) /* nohup stays in force */
+		sigaction(SIGHUP, &action, NULL);
 	action.sa_handler = signals_on_user;
 	sigaction(SIGUSR1, &action, NULL);
 	action.sa_handler = SIG_IGN; /* a viewer that died is found by the write that fails */

@@ -22,7 +22,7 @@ struct series {
 	struct series_entry {
 		long long step;
 		double time;
-	} *entries;
+	} * entries;
 	char file[FRAME_NAME + 8]; /* NAME.pvd */
 };
 
@@ -95,11 +95,12 @@ static int series_write(const struct snapshots *s, const struct series *series)
 	struct file_output output;
 	CHECK(file_output_begin(&output, path));
 	output.unsynced = true;
-	fprintf(output.stream, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
-	        "<Collection>\n");
+	fprintf(output.stream,
+			"<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+			"<Collection>\n");
 	for (int i = 0; i < series->n; i++)
-		fprintf(output.stream, "<DataSet timestep=\"%.17g\" part=\"0\" file=\"vtk/%s_%0*lld.%s\"/>\n", series->entries[i].time,
-		        series->name, STEP_DIGITS, series->entries[i].step, series->end);
+		fprintf(output.stream, "<DataSet timestep=\"%.17g\" part=\"0\" file=\"vtk/%s_%0*lld.%s\"/>\n",
+				series->entries[i].time, series->name, STEP_DIGITS, series->entries[i].step, series->end);
 	fprintf(output.stream, "</Collection>\n</VTKFile>\n");
 	return file_output_commit(&output);
 }
@@ -131,7 +132,7 @@ static int series_read(struct snapshots *s, const char *file)
 }
 
 static int snapshots_scan(struct snapshots *s, const char *folder, int (*take)(struct snapshots *, const char *file),
-                          const char *end)
+						  const char *end)
 {
 	DIR *stream = opendir(folder);
 	if (!stream)
@@ -168,7 +169,7 @@ static int snapshots_take_up(struct snapshots *s)
 }
 
 int snapshots_create(struct snapshots **result, const struct mpm *mpm, struct run_fields *fields, const char *folder,
-                     bool restart)
+					 bool restart)
 {
 	*result = NULL;
 	struct snapshots *s = calloc(1, sizeof *s);
@@ -202,7 +203,10 @@ void snapshots_free(struct snapshots *s)
 
 int snapshots_count(const struct snapshots *s) { return s ? s->n : 0; }
 
-const char *snapshots_series(const struct snapshots *s, int i) { return s && i < s->n_series ? s->series[i].file : NULL; }
+const char *snapshots_series(const struct snapshots *s, int i)
+{
+	return s && i < s->n_series ? s->series[i].file : NULL;
+}
 
 /* ---- run.h5 ---- */
 
@@ -240,7 +244,7 @@ static int snapshots_write_links(const struct snapshots *s)
 /* ---- snap/NNNNNNNN.h5 ---- */
 
 static int snapshot_dataset(hid_t group, const char *name, const char *unit, hid_t type, hsize_t rows, int components,
-                            const void *data)
+							const void *data)
 {
 	CHECK(h5_write(group, name, type, rows, components > 1 ? (hsize_t)components : 0, data));
 	return h5_attribute_text(group, name, "unit", unit);
@@ -262,7 +266,8 @@ static int snapshot_points(const struct snapshots *s, hid_t group)
 		if (h5_has(group, field->field->name))
 			continue;
 		fields_get(s->fields, s->mpm, f, s->values);
-		CHECK(snapshot_dataset(group, field->field->name, field->unit, H5T_NATIVE_DOUBLE, n, field->field->components, s->values));
+		CHECK(snapshot_dataset(group, field->field->name, field->unit, H5T_NATIVE_DOUBLE, n, field->field->components,
+							   s->values));
 	}
 	return STATUS_OK;
 }
@@ -282,7 +287,8 @@ static int snapshot_grid(const struct snapshots *s, hid_t group)
 		return STATUS_OK;
 	for (hsize_t i = 0; i < n; i++)
 		s->values[i] = grid->mass[i] > 0 ? scene_temperature_out(s->mpm->scene, grid->T_new[i]) : NAN;
-	return snapshot_dataset(group, "temperature", scene_temperature_unit(s->mpm->scene), H5T_NATIVE_DOUBLE, n, 1, s->values);
+	return snapshot_dataset(group, "temperature", scene_temperature_unit(s->mpm->scene), H5T_NATIVE_DOUBLE, n, 1,
+							s->values);
 }
 
 static int snapshot_rve(const struct snapshots *s, hid_t group, const char *name, int point)
@@ -300,7 +306,8 @@ static int snapshot_rves(const struct snapshots *s, hid_t group)
 	const struct mpm *mpm = s->mpm;
 	for (int i = 0; i < mpm->scene->n_inspect; i++) {
 		const struct scene_inspect *inspect = &mpm->scene->inspect[i];
-		int point = inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
+		int point =
+			inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
 		if (point >= 0)
 			CHECK(snapshot_rve(s, group, inspect->name, point));
 	}
@@ -313,7 +320,8 @@ static int snapshot_rves(const struct snapshots *s, hid_t group)
 	return STATUS_OK;
 }
 
-static int snapshot_part(const struct snapshots *s, hid_t file, const char *name, int (*fill)(const struct snapshots *, hid_t))
+static int snapshot_part(const struct snapshots *s, hid_t file, const char *name,
+						 int (*fill)(const struct snapshots *, hid_t))
 {
 	hid_t group;
 	CHECK(h5_group(&group, file, name));
@@ -362,7 +370,8 @@ static int snapshot_write_vtk(struct snapshots *s, const void *frame)
 		if (!series)
 			return error_set(STATUS_RESOURCE, "more than %d channels in the frame", SERIES_MOST);
 		snprintf(series->end, sizeof series->end, "%s", vtk_file_end(channels[c].kind));
-		snprintf(name, sizeof name, "vtk/%s_%0*lld.%s", series->name, STEP_DIGITS, (long long)header->step, series->end);
+		snprintf(name, sizeof name, "vtk/%s_%0*lld.%s", series->name, STEP_DIGITS, (long long)header->step,
+				 series->end);
 		CHECK(file_join(path, s->folder, name));
 		CHECK(vtk_write(path, frame, c));
 		CHECK(series_add(series, header->step, header->time));

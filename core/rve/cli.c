@@ -63,7 +63,8 @@ static const char help_load[] =
 	"  --packing FILE       .h5 or .csv; or one is generated (cached) from\n" PACKING_OPTIONS
 	"  --mu-pack M          friction while it is compressed\n"
 	"  --scene FILE         takes all parameters, also the packing, from an RVE law of a scene;\n"
-	"  --law NAME           needed if the scene has several; with it --seed chooses the variant's seed\n"
+	"  --law NAME           needed if the scene has several; --seed then chooses a variant's packing\n"
+	"  --set path=value     changes the scene as `tmdempm run` does; any number of times\n"
 	"  --rate R             1/s\n"
 	"  --strain E           R times the duration\n"
 	"  --lateral P          Pa (the packing's own pressure)\n"
@@ -81,17 +82,21 @@ static const char help_info[] =
 
 /* ---- options ---- */
 
+enum { SETS_MAX = 64 };
+
 struct options {
 	const char *packing, *out, *load, *path, *lattice, *scene, *law;
 	double pressure, mu, mu_pack, void_ratio, radius_min, radius_max, rate, strain, lateral, temperature,
 		strain_per_step;
 	long discs, seed, rows;
 	bool help;
+	int n_sets;
+	const char *sets[SETS_MAX];
 	int n_files; /* arguments without an option */
 	char **files;
 };
 
-enum value_kind { VALUE_TEXT, VALUE_NUMBER, VALUE_COUNT, VALUE_NONE, VALUE_LATER };
+enum value_kind { VALUE_TEXT, VALUE_NUMBER, VALUE_COUNT, VALUE_NONE, VALUE_LIST, VALUE_LATER };
 
 /* One option: where its value goes, and what it must be. */
 struct option_rule {
@@ -114,6 +119,7 @@ static const struct option_rule rules[] = {
 	{"load", VALUE_TEXT, AT(load), 0, false, "", VERB_LOAD},
 	{"path", VALUE_TEXT, AT(path), 0, false, "", VERB_LOAD},
 	{"scene", VALUE_TEXT, AT(scene), 0, false, "", VERB_LOAD},
+	{"set", VALUE_LIST, 0, 0, false, "", VERB_LOAD},
 	{"law", VALUE_TEXT, AT(law), 0, false, "", VERB_LOAD},
 	{"rate", VALUE_NUMBER, AT(rate), 0, true, "a strain rate above 0 (1/s)", VERB_LOAD},
 	{"strain", VALUE_NUMBER, AT(strain), 0, false, "a strain, 0 or more", VERB_LOAD},
@@ -157,6 +163,12 @@ static int set_option(struct options *o, const struct option_rule *rule, const c
 	}
 	if (rule->kind == VALUE_LATER)
 		return usage_error("--%s: bonds come with the next release; this one knows unbonded discs only", rule->name);
+	if (rule->kind == VALUE_LIST) {
+		if (o->n_sets == SETS_MAX)
+			return usage_error("--%s is given more than %d times", rule->name, SETS_MAX);
+		o->sets[o->n_sets++] = text;
+		return STATUS_OK;
+	}
 	if (rule->kind == VALUE_TEXT) {
 		*(const char **)at = text;
 		return *text ? STATUS_OK : usage_error("--%s is empty", rule->name);
@@ -357,7 +369,7 @@ static int from_scene(const struct options *o, struct rve_params *params, struct
 		!isnan(o->radius_min) || !isnan(o->radius_max))
 		return usage_error(
 			"options for making a packing are given beside --scene, expected --packing or the scene's own");
-	int status = scene_load(&scene, o->scene, 0, NULL, stderr);
+	int status = scene_load(&scene, o->scene, o->n_sets, o->sets, stderr);
 	if (status != STATUS_OK)
 		return error_set(status, "%s cannot be used", o->scene);
 	const struct scene_law *law = find_law(scene, o->law);
@@ -391,8 +403,8 @@ static int get_rve(const struct options *o, struct rve_params *params, struct rv
 {
 	*packing = NULL;
 	rve_params_default(params);
-	if (o->law && !o->scene)
-		return usage_error("--law is given without --scene, expected the scene that it stands in");
+	if ((o->law || o->n_sets) && !o->scene)
+		return usage_error("--%s is given without --scene, expected the scene that it is for", o->law ? "law" : "set");
 	if (o->packing && (o->discs >= 0 || !isnan(o->pressure) || !isnan(o->mu_pack) || !isnan(o->void_ratio)))
 		return usage_error("--packing and options for making one are both given, expected one of them");
 	if (o->scene)

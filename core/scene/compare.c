@@ -44,7 +44,8 @@ static void compare_print(const config_setting_t *setting, char *text, size_t si
 	}
 }
 
-static int compare_difference(const char *path, const config_setting_t *a, const config_setting_t *b, char *what, size_t size)
+static int compare_difference(const char *path, const config_setting_t *a, const config_setting_t *b, char *what,
+							  size_t size)
 {
 	char before[256], now[256];
 	compare_print(a, before, sizeof before);
@@ -61,7 +62,8 @@ static int compare_is_number(const config_setting_t *s)
 
 static double compare_number(const config_setting_t *s)
 {
-	return config_setting_type(s) == CONFIG_TYPE_FLOAT ? config_setting_get_float(s) : (double)config_setting_get_int64(s);
+	return config_setting_type(s) == CONFIG_TYPE_FLOAT ? config_setting_get_float(s)
+													   : (double)config_setting_get_int64(s);
 }
 
 static int compare_scalar(const config_setting_t *a, const config_setting_t *b)
@@ -75,10 +77,11 @@ static int compare_scalar(const config_setting_t *a, const config_setting_t *b)
 	return !strcmp(config_setting_get_string(a), config_setting_get_string(b));
 }
 
-static int compare_settings(const char *path, const config_setting_t *a, const config_setting_t *b, char *what, size_t size);
+static int compare_settings(const char *path, const config_setting_t *a, const config_setting_t *b, char *what,
+							size_t size);
 
 static int compare_child(const char *path, const config_setting_t *child, int index, const config_setting_t *a,
-                         const config_setting_t *b, char *what, size_t size)
+						 const config_setting_t *b, char *what, size_t size)
 {
 	char inner[512];
 	const char *name = config_setting_name(child);
@@ -90,7 +93,8 @@ static int compare_child(const char *path, const config_setting_t *child, int in
 }
 
 /* Members are compared by name, elements by index; what only one side has is a difference. */
-static int compare_settings(const char *path, const config_setting_t *a, const config_setting_t *b, char *what, size_t size)
+static int compare_settings(const char *path, const config_setting_t *a, const config_setting_t *b, char *what,
+							size_t size)
 {
 	if (!a || !b || config_setting_is_aggregate(a) != config_setting_is_aggregate(b))
 		return compare_difference(path, a, b, what, size);
@@ -99,7 +103,8 @@ static int compare_settings(const char *path, const config_setting_t *a, const c
 	for (int i = 0; i < config_setting_length(a); i++) {
 		const config_setting_t *child = config_setting_get_elem(a, (unsigned)i);
 		const char *name = config_setting_name(child);
-		const config_setting_t *other = name ? config_setting_get_member(b, name) : config_setting_get_elem(b, (unsigned)i);
+		const config_setting_t *other =
+			name ? config_setting_get_member(b, name) : config_setting_get_elem(b, (unsigned)i);
 		if (!compare_child(path, child, i, child, other, what, size))
 			return 0;
 	}

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+
 #include <cmocka.h>
 
 #include "run/frame_build.h"
@@ -57,7 +58,8 @@ static void slender_is_limited(void **unused)
 static void size_is_limited(void **unused)
 {
 	(void)unused;
-	const double x[2] = {0, 0}, huge[4] = {30, 0, 0, 30}, tiny[4] = {1e-3, 0, 0, 1e-3}, broken[4] = {NAN, 0, 0, 1}, flat[4] = {0};
+	const double x[2] = {0, 0}, huge[4] = {30, 0, 0, 30}, tiny[4] = {1e-3, 0, 0, 1e-3}, broken[4] = {NAN, 0, 0, 1},
+				 flat[4] = {0};
 	double c[4][2];
 	frame_domain(x, huge, 1, c);
 	near(area(c), 1.5);
@@ -71,6 +73,6 @@ static void size_is_limited(void **unused)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(moderate_is_exact), cmocka_unit_test(rotation_is_kept),
-	                                   cmocka_unit_test(slender_is_limited), cmocka_unit_test(size_is_limited)};
+									   cmocka_unit_test(slender_is_limited), cmocka_unit_test(size_is_limited)};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

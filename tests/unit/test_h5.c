@@ -3,6 +3,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+
 #include <cmocka.h>
 
 #include <stdlib.h>
@@ -14,7 +15,10 @@
 
 static char folder[FILE_PATH];
 
-static void path_of(char path[FILE_PATH], const char *name) { assert_int_equal(file_join(path, folder, name), STATUS_OK); }
+static void path_of(char path[FILE_PATH], const char *name)
+{
+	assert_int_equal(file_join(path, folder, name), STATUS_OK);
+}
 
 static void write_sample(const char *path)
 {
@@ -125,9 +129,8 @@ int main(void)
 {
 	char template[] = "/tmp/tmdempm_h5_XXXXXX";
 	snprintf(folder, sizeof folder, "%s", mkdtemp(template));
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(comes_back), cmocka_unit_test(same_contents_same_bytes),
-		cmocka_unit_test(failures_say_why), cmocka_unit_test(links_show_other_files)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(comes_back), cmocka_unit_test(same_contents_same_bytes),
+									   cmocka_unit_test(failures_say_why), cmocka_unit_test(links_show_other_files)};
 	int failed = cmocka_run_group_tests(tests, NULL, NULL);
 	const char *const names[] = {"a.h5", "b.h5", "run.h5", "text.h5"};
 	for (int i = 0; i < 4; i++) {

@@ -3,6 +3,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+
 #include <cmocka.h>
 
 #include <stdio.h>
@@ -10,9 +11,10 @@
 
 #include "scene/compare.h"
 
-static const char before[] = "grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; time : { end = 1.0; step = 1e-4; };\n"
-							 "walls = ( { name = \"a\"; friction = 0.5; }, { name = \"b\"; } ); gravity = [ 0.0, -9.81 ];\n"
-							 "output : { vtk = true; };\n";
+static const char before[] =
+	"grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; time : { end = 1.0; step = 1e-4; };\n"
+	"walls = ( { name = \"a\"; friction = 0.5; }, { name = \"b\"; } ); gravity = [ 0.0, -9.81 ];\n"
+	"output : { vtk = true; };\n";
 
 static void accepts(const char *now)
 {
@@ -43,19 +45,30 @@ static void other_changes_are_named(void **unused)
 	(void)unused;
 	const char rest[] = "time : { end = 1.0; step = 1e-4; }; gravity = [ 0.0, -9.81 ];";
 	char now[1024];
-	snprintf(now, sizeof now, "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; walls = ( { name = \"a\"; friction = 0.3; }, { name = \"b\"; } );", rest);
+	snprintf(now, sizeof now,
+			 "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; walls = ( { name = \"a\"; friction = 0.3; }, { name = "
+			 "\"b\"; } );",
+			 rest);
 	refuses(now, "walls.[0].friction: 0.5 before, 0.3 now");
-	snprintf(now, sizeof now, "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; walls = ( { name = \"a\"; friction = 0.5; } );", rest);
+	snprintf(now, sizeof now,
+			 "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; walls = ( { name = \"a\"; friction = 0.5; } );", rest);
 	refuses(now, "walls.[1]: a group or list of 1 before, absent now");
-	snprintf(now, sizeof now, "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; shape = 1; }; walls = ( { name = \"a\"; friction = 0.5; }, { name = \"b\"; } );", rest);
+	snprintf(now, sizeof now,
+			 "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; shape = 1; }; walls = ( { name = \"a\"; friction = 0.5; }, "
+			 "{ name = \"b\"; } );",
+			 rest);
 	refuses(now, "grid.shape: absent before, 1 now");
-	snprintf(now, sizeof now, "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; walls = ( { name = \"a\"; friction = 0.5; }, { name = \"c\"; } );", rest);
+	snprintf(now, sizeof now,
+			 "%s grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; walls = ( { name = \"a\"; friction = 0.5; }, { name = "
+			 "\"c\"; } );",
+			 rest);
 	refuses(now, "walls.[1].name: \"b\" before, \"c\" now");
 	refuses("nonsense = {", "cannot be read");
 }
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(same_and_free_changes), cmocka_unit_test(other_changes_are_named)};
+	const struct CMUnitTest tests[] = {cmocka_unit_test(same_and_free_changes),
+									   cmocka_unit_test(other_changes_are_named)};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

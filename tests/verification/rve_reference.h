@@ -1,9 +1,8 @@
 /* The RVE against reference values: means and standard deviations over packings of an independent
  * prototype, of TM-DEMPM (tables and text of section 5) and of YADE and LAMMPS on the same packings.
  *
- * Every test takes the mean over SEEDS packings of 400 discs and asks it to lie within three standard
- * deviations of the reference, where the deviation is that of a single packing.
- * The fast program runs 3 seeds, the long one 8. */
+ * Every test takes the mean over 8 packings of 400 discs and asks it to lie within three standard deviations
+ * of the reference.  FINE: all pressures, smaller sub-steps, slower probes. */
 #include <math.h>
 #include <omp.h>
 #include <setjmp.h>
@@ -20,6 +19,16 @@
 #include "rve/drive.h"
 #include "rve/packing.h"
 #include "rve/rve.h"
+
+#ifdef FINE
+static const double strain_per_step = 1e-5;
+enum { CASES = 5, PROBE_STEPS = 4000 };
+#else
+static const double strain_per_step = 2.5e-5;
+enum { CASES = 2, PROBE_STEPS = 2000 };
+#endif
+
+enum { SEEDS = 8 };
 
 struct sample {
 	double value[SEEDS];
@@ -74,7 +83,7 @@ static struct rve_packing *packing(double mu, double pressure, int seed)
 
 /* ---- curves ---- */
 
-enum { ROWS = 400 };
+enum { ROWS = 500 };
 
 struct curve {
 	int n;
@@ -88,7 +97,6 @@ static int keep_row(void *context, const double row[RVE_COLUMNS])
 	return STATUS_OK;
 }
 
-/* Drives at an inertial number of about 1e-3 (100 kPa). */
 static void drive(struct curve *c, const struct rve_packing *p, const struct rve_drive *how,
 				  const struct rve_params *params)
 {
@@ -114,8 +122,9 @@ struct biaxial {
 	struct sample peak, peak_strain, ratio, volume;
 };
 
-/* Biaxial compression to a strain of 0.3 at 100 kPa.  Peaks are those of single packings; residual values are
- * means over the last third. */
+/* Biaxial compression to a strain of 0.5 at 100 kPa.  Peaks are those of single packings up to a strain of 0.3.
+ * The residual ratio is a mean over strains of 0.2 to 0.5: one packing's stress scatters by a tenth from one percent
+ * of strain to the next. */
 static void biaxial(struct biaxial *b, double mu_pack)
 {
 	static struct curve c;
@@ -124,22 +133,22 @@ static void biaxial(struct biaxial *b, double mu_pack)
 	const struct rve_drive how = {
 		.load = RVE_LOAD_BIAXIAL,
 		.rate = 10.0,
-		.strain = 0.3,
+		.strain = 0.5,
 		.pressure = 100e3,
-		.strain_per_step = 1e-5,
+		.strain_per_step = strain_per_step,
 		.rows = ROWS,
 	};
 	for (int k = 0; k < SEEDS; k++) {
 		struct rve_packing *p = packing(mu_pack, 100e3, k + 1);
 		drive(&c, p, &how, &params);
 		b->peak.value[k] = 0.0;
-		for (int r = 0; r < c.n; r++)
+		for (int r = 0; r <= ROWS * 3 / 5; r++)
 			if (-c.row[r][RVE_STRESS_YY] > b->peak.value[k]) {
 				b->peak.value[k] = -c.row[r][RVE_STRESS_YY];
 				b->peak_strain.value[k] = -c.row[r][RVE_STRAIN_YY];
 			}
-		b->ratio.value[k] = window(&c, RVE_STRESS_YY, 2.0 / 3.0, 1.0) / window(&c, RVE_STRESS_XX, 2.0 / 3.0, 1.0);
-		b->volume.value[k] = window(&c, RVE_STRAIN_VOL, 0.95, 1.0);
+		b->ratio.value[k] = window(&c, RVE_STRESS_YY, 0.4, 1.0) / window(&c, RVE_STRESS_XX, 0.4, 1.0);
+		b->volume.value[k] = window(&c, RVE_STRAIN_VOL, 0.58, 0.62);
 		rve_packing_free(p);
 	}
 }
@@ -177,14 +186,14 @@ static void void_ratios(void **state)
 	(void)state;
 	static const struct {
 		double mu, pressure, reference, deviation;
-	} cases[] = {
+	} cases[5] = {
 		{0.01, 100e3, 0.1635, 0.0018}, /* 0.161 to 0.166 in 8 seeds; the paper's dense packing: 0.165 */
 		{0.5, 100e3, 0.220, 0.0077},   /* 0.211 to 0.233 in 8 seeds */
 		{0.5, 10e3, 0.250, 0.0077},    /* the paper: 0.251, 0.240, 0.232 */
 		{0.5, 25e3, 0.241, 0.0077},    {0.5, 50e3, 0.235, 0.0077},
 	};
 	misses = 0;
-	for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+	for (int c = 0; c < CASES; c++) {
 		struct sample e;
 		char what[80];
 		for (int k = 0; k < SEEDS; k++) {
@@ -245,7 +254,7 @@ static void simple_shear(void **state)
 	for (int k = 0; k < SEEDS; k++) {
 		struct rve_packing *p = packing(0.5, 100e3, k + 1);
 		const struct rve_drive how = {
-			.load = RVE_LOAD_SHEAR, .rate = 10.0, .strain = 1.0, .strain_per_step = 1e-5, .rows = ROWS};
+			.load = RVE_LOAD_SHEAR, .rate = 10.0, .strain = 1.0, .strain_per_step = strain_per_step, .rows = ROWS};
 		drive(&c, p, &how, &params);
 		double p_mean = -0.5 * (window(&c, RVE_STRESS_XX, 0.2, 1.0) + window(&c, RVE_STRESS_YY, 0.2, 1.0));
 		ratio.value[k] = window(&c, RVE_STRESS_XY, 0.2, 1.0) / p_mean;
@@ -257,10 +266,10 @@ static void simple_shear(void **state)
 
 /* ---- small strain ---- */
 
-/* Secant moduli D1111 and D1122 of a uniaxial strain of `strain` in x, reached in `steps` sub-steps and held. */
+/* Secant moduli D1111 and D1122 of a uniaxial strain of `strain` in x, reached in PROBE_STEPS sub-steps and held as
+ * long. */
 static void probe(const struct rve_packing *p, double mu, double strain, double *d1111, double *d1122)
 {
-	enum { STEPS = 4000, HOLD = 4000 };
 	struct rve_params params;
 	struct rve_model *model;
 	double before[4], after[4], conductivity[3], heat, modulus, dT = 0.0;
@@ -280,11 +289,11 @@ static void probe(const struct rve_packing *p, double mu, double strain, double 
 							  .heat = &heat,
 							  .conductivity = &conductivity,
 							  .modulus = &modulus};
-	for (int k = 0; k < HOLD; k++)
+	for (int k = 0; k < PROBE_STEPS; k++)
 		assert_int_equal(rve_advance(model, &batch), 0);
 	memcpy(before, after, sizeof before);
-	for (int k = 0; k < STEPS + HOLD; k++) {
-		L[0][0] = k < STEPS ? -strain / STEPS / dt : 0.0;
+	for (int k = 0; k < 2 * PROBE_STEPS; k++) {
+		L[0][0] = k < PROBE_STEPS ? -strain / PROBE_STEPS / dt : 0.0;
 		assert_int_equal(rve_advance(model, &batch), 0);
 	}
 	*d1111 = (before[0] - after[0]) / strain;

@@ -1,4 +1,4 @@
 /* labels: long */
 /* timeout: 900 */
-enum { SEEDS = 8 };
+#define FINE
 #include "rve_reference.h"
