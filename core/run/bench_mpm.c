@@ -29,11 +29,16 @@ struct column {
 	double corners[4][2], lines[3][2][2];
 };
 
-static void column_wall(struct column *c, int w, double x0, double y0, double x1, double y1, enum scene_wall_contact contact)
+static void column_wall(struct column *c, int w, double x0, double y0, double x1, double y1,
+						enum scene_wall_contact contact)
 {
 	c->lines[w][0][0] = x0, c->lines[w][0][1] = y0, c->lines[w][1][0] = x1, c->lines[w][1][1] = y1;
-	c->walls[w] = (struct scene_wall){.n_vertices = 2, .vertices = c->lines[w], .depth = 2.0 * c->scene.grid.cell,
-	                                  .contact = contact, .temperature = NAN, .until = INFINITY};
+	c->walls[w] = (struct scene_wall){.n_vertices = 2,
+									  .vertices = c->lines[w],
+									  .depth = 2.0 * c->scene.grid.cell,
+									  .contact = contact,
+									  .temperature = NAN,
+									  .until = INFINITY};
 }
 
 /* A square of side by side cells of 1 cm of a soft solid on a floor between smooth walls. */
@@ -51,14 +56,23 @@ static void column_scene(struct column *c, const char *shape, int side, bool the
 	s->thermal.on = thermal;
 	s->gravity[1] = -9.81;
 	s->guards.points_leaving = true;
-	c->law = (struct scene_law){.name = "elastic", .type = SCENE_LAW_THERMOELASTIC, .thermoelastic = {young, 0.3, 1e-5, false}};
-	c->material = (struct scene_material){.name = "solid", .density = density, .heat_capacity = 1000.0, .conductivity = 10.0,
-	                                      .reference_temperature = NAN};
+	c->law = (struct scene_law){
+		.name = "elastic", .type = SCENE_LAW_THERMOELASTIC, .thermoelastic = {young, 0.3, 1e-5, false}};
+	c->material = (struct scene_material){.name = "solid",
+										  .density = density,
+										  .heat_capacity = 1000.0,
+										  .conductivity = 10.0,
+										  .reference_temperature = NAN};
 	const double corners[4][2] = {{2 * h, 2 * h}, {2 * h + l, 2 * h}, {2 * h + l, 2 * h + l}, {2 * h, 2 * h + l}};
 	for (int k = 0; k < 4; k++)
 		c->corners[k][0] = corners[k][0], c->corners[k][1] = corners[k][1];
-	c->body = (struct scene_body){.name = "column", .n_vertices = 4, .vertices = c->corners, .lattice_origin = {NAN, NAN},
-	                              .points_per_cell = 4, .temperature = 300.0, .variants = 1};
+	c->body = (struct scene_body){.name = "column",
+								  .n_vertices = 4,
+								  .vertices = c->corners,
+								  .lattice_origin = {NAN, NAN},
+								  .points_per_cell = 4,
+								  .temperature = 300.0,
+								  .variants = 1};
 	column_wall(c, 0, 0.0, 2 * h, (side + 4) * h, 2 * h, SCENE_WALL_FRICTIONAL);
 	column_wall(c, 1, 2 * h, (side + 8) * h, 2 * h, 0.0, SCENE_WALL_SLIP);
 	column_wall(c, 2, 2 * h + l, 0.0, 2 * h + l, (side + 8) * h, SCENE_WALL_SLIP);
@@ -99,9 +113,9 @@ int bench_mpm(bool json)
 		int side; /* 4 side^2 points */
 		bool thermal;
 	} cases[] = {
-		{"mpm_linear_10k", "linear", 50, false},         {"mpm_linear_100k", "linear", 158, false},
-		{"mpm_ugimp_10k", "ugimp", 50, false},           {"mpm_ugimp_100k", "ugimp", 158, false},
-		{"mpm_ugimp_thermal_10k", "ugimp", 50, true},    {"mpm_ugimp_thermal_100k", "ugimp", 158, true},
+		{"mpm_linear_10k", "linear", 50, false},      {"mpm_linear_100k", "linear", 158, false},
+		{"mpm_ugimp_10k", "ugimp", 50, false},        {"mpm_ugimp_100k", "ugimp", 158, false},
+		{"mpm_ugimp_thermal_10k", "ugimp", 50, true}, {"mpm_ugimp_thermal_100k", "ugimp", 158, true},
 	};
 	int threads = omp_get_max_threads(), status = STATUS_OK;
 	omp_set_num_threads(1);
