@@ -220,6 +220,8 @@ static int command_bench(int argc, char **argv)
 	const char *what = optind + 1 == argc ? argv[optind] : "";
 	if (!strcmp(what, "rve"))
 		return bench_rve(json);
+	if (!strcmp(what, "mpm"))
+		return bench_mpm(json);
 	if (!strcmp(what, "image"))
 		return bench_image(json);
 	return usage("%s", "bench: expected one of rve, mpm, image");

@@ -12,6 +12,7 @@
 #include "run/machine.h"
 #include "run/run.h"
 #include "run/viewer.h"
+#include "rve/model.h"
 #include "version.h"
 
 /* Something that the program can use, or what to do to get it. */
@@ -81,6 +82,7 @@ static void info_print(const struct machine *machine, const struct info_part *de
 		   viewer_program() ? ", with a viewer" : ", engine alone");
 	printf("machine  %s (%s), %d threads, %.1f GiB\n", machine->processor, machine->isa, machine->threads,
 		   machine->memory / (1 << 30));
+	printf("RVEs     compiled for x86-64 base, v3 and v4; %s runs here (the bits are the same)\n", rve_isa());
 	info_print_parts("devices", devices, INFO_DEVICES);
 	printf("laws\n");
 	for (int l = 0; law_types[l]; l++)
@@ -144,6 +146,7 @@ static void info_json(const struct machine *machine, const struct info_part *dev
 	json_text(&json, "build", TMDEMPM_BUILD_TYPE);
 	json_text(&json, "processor", machine->processor);
 	json_text(&json, "isa", machine->isa);
+	json_text(&json, "rve_isa", rve_isa());
 	json_integer(&json, "threads", machine->threads);
 	json_number(&json, "memory", machine->memory);
 	json_text(&json, "viewer", viewer_program());

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "run/json.h"
 #include "run/run_private.h"
+#include "rve/model.h"
 #include "version.h"
 
 enum { INERTIA_BINS = 12, REPORT_NAME = 128 };
@@ -122,6 +123,7 @@ static void report_fill(struct json *json, const struct run *run, const char *st
 	json_text(json, "compiler", TMDEMPM_COMPILER);
 	json_text(json, "build", TMDEMPM_BUILD_TYPE);
 	json_text(json, "code_path", checkpoint_code_path());
+	json_text(json, "rve_isa", rve_isa());
 	json_text(json, "state", state);
 	json_text(json, "title", run->scene->title);
 	report_options(json, run);

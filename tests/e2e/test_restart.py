@@ -47,6 +47,18 @@ def threads():
         compare(f("t1"), f("t4"))
 
 
+def instruction_sets():
+    """The kernel as every processor runs it: a checkpoint may go on on another machine."""
+    with Folder() as f:
+        cfg = f.write("s.cfg", COLUMN)
+        for isa in ("base", "v3", "v4"):  # what this processor lacks falls back to what it has
+            os.environ["TMDEMPM_ISA"] = isa
+            tmdempm("run", cfg, "--out", f(isa), "--until", 0.06)
+        del os.environ["TMDEMPM_ISA"]
+        compare(f("base"), f("v3"))
+        compare(f("base"), f("v4"))
+
+
 def refused():
     with Folder() as f:
         cfg = f.write("s.cfg", BLOCK)
@@ -72,4 +84,5 @@ def refused():
 continued(BLOCK + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.1, 0.2)
 continued(COLUMN.replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), 0.03, 0.06)
 threads()
+instruction_sets()
 refused()
