@@ -33,7 +33,7 @@ const struct field mpm_ledger_fields[] = {
 	{"loss_dashpot", "J", 1, "of the dashpots in RVEs"},
 	{"loss_bond", "J", 1, "of broken bonds"},
 	{"loss_fracture", "J", 1, "of fracture"},
-	{"loss_numerical", "J", 1, "PIC, damping, FLIP null space, impacts on walls"},
+	{"loss_numerical", "J", 1, "PIC, damping, FLIP null space, remapping, impacts on walls"},
 	{"work_expansion", "J", 1, "done by thermal expansion"},
 	{"energy_discarded", "J", 1, "dropped with gas, re-seeded RVEs and points that left"},
 	{"heat_in", "J", 1, "through boundaries and walls"},

@@ -36,7 +36,7 @@ struct mpm_ledger {
 	double work_walls_friction; /* turned into heat at walls */
 	double heat_rve_friction;   /* turned into heat in RVEs */
 	double loss_dashpot, loss_bond, loss_fracture;
-	double loss_numerical;      /* PIC, damping, FLIP null space, unilateral impacts on walls */
+	double loss_numerical;      /* PIC, damping, FLIP null space, remapping, unilateral impacts on walls */
 	double work_expansion;      /* by thermal expansion */
 	double energy_discarded;    /* gas, re-seeded */
 	double heat_in, heat_out;   /* through boundaries and walls */

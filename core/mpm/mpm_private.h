@@ -63,6 +63,13 @@ struct heat_sum {
 	double walls;   /* J, wall friction handed to the material */
 };
 
+/* The solid of a wall where it is now: a polygon, counter-clockwise, and the box around it; m. */
+struct wall_solid {
+	int n;
+	double (*v)[2];
+	double low[2], high[2];
+};
+
 /* One contact of a node with a wall: normals point into the material.  With two normals (a convex corner
  * of the wall) the node is blocked only if it moves against both. */
 struct wall_node {
@@ -127,9 +134,10 @@ struct mpm_work {
 	int n_wall_nodes, wall_node_capacity, n_wall_groups;
 	struct wall_node *wall_nodes; /* by node, then wall */
 	struct wall_effect *wall_effects;
-	int *wall_group;         /* n_wall_groups + 1: the entries of one node */
-	bool *wall_on;           /* by scene wall, at the last look */
-	double (*wall_found)[2]; /* offset at which its nodes were found */
+	int *wall_group;           /* n_wall_groups + 1: the entries of one node */
+	bool *wall_on;             /* by scene wall, at the last look */
+	struct wall_solid *solids; /* by scene wall */
+	double (*wall_found)[2];   /* offset at which its nodes were found */
 
 	struct stripe_sum *stripe_sums;
 	struct block_sum *block_sums;

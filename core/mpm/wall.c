@@ -20,7 +20,7 @@ enum { LOOKS = 6 };                    /* places on either side at which a cover
 
 /* Corners of the solid where it is now, counter-clockwise: a line's is the strip behind it.  Returns their
  * number; v has room for n_vertices + 4. */
-static int wall_solid(const struct mpm *mpm, int wall, double (*v)[2])
+static int wall_corners(const struct mpm *mpm, int wall, double (*v)[2])
 {
 	const struct scene_wall *s = &mpm->scene->walls[wall];
 	const double *offset = mpm->wall_offset[wall];
@@ -38,11 +38,26 @@ static int wall_solid(const struct mpm *mpm, int wall, double (*v)[2])
 	return 4;
 }
 
+/* Keeps the solid as it lies now, with the box around it. */
+static void solid_update(struct mpm *mpm, int wall)
+{
+	struct wall_solid *solid = &mpm_work(mpm)->solids[wall];
+	solid->n = wall_corners(mpm, wall, solid->v);
+	for (int c = 0; c < 2; c++) {
+		solid->low[c] = INFINITY, solid->high[c] = -INFINITY;
+		for (int k = 0; k < solid->n; k++) {
+			solid->low[c] = fmin(solid->low[c], solid->v[k][c]);
+			solid->high[c] = fmax(solid->high[c], solid->v[k][c]);
+		}
+	}
+}
+
 bool wall_contains(const struct mpm *mpm, int wall, const double x[2], double tolerance)
 {
-	double v[mpm->scene->walls[wall].n_vertices + 4][2];
-	int n = wall_solid(mpm, wall, v);
-	return polygon_contains(n, (const double(*)[2])v, x, tolerance);
+	const struct wall_solid *s = &mpm_work(mpm)->solids[wall];
+	if (x[0] < s->low[0] || x[1] < s->low[1] || x[0] > s->high[0] || x[1] > s->high[1])
+		return false;
+	return polygon_contains(s->n, (const double(*)[2])s->v, x, tolerance);
 }
 
 bool wall_active(const struct mpm *mpm, int wall)
@@ -89,11 +104,13 @@ struct face {
 	double normal[2], distance;
 };
 
+static double length_of(double x, double y) { return sqrt(x * x + y * y); }
+
 static double distance_to_edge(const double a[2], const double b[2], const double x[2])
 {
 	double q[2];
 	nearest_on_segment(a, b, x, q);
-	return hypot(x[0] - q[0], x[1] - q[1]);
+	return length_of(x[0] - q[0], x[1] - q[1]);
 }
 
 /* Normal of an edge and the distance from x to its nearest part that material can reach.  Where another wall
@@ -101,7 +118,7 @@ static double distance_to_edge(const double a[2], const double b[2], const doubl
 static bool look_at_face(const struct mpm *mpm, int wall, const double a[2], const double b[2], const double x[2],
 						 struct face *face)
 {
-	double h = mpm->grid.h, length = hypot(b[0] - a[0], b[1] - a[1]);
+	double h = mpm->grid.h, length = length_of(b[0] - a[0], b[1] - a[1]);
 	const double t[2] = {(b[0] - a[0]) / length, (b[1] - a[1]) / length};
 	double at = (x[0] - a[0]) * t[0] + (x[1] - a[1]) * t[1];
 	at = at < 0.0 ? 0.0 : at > length ? length : at;
@@ -111,7 +128,7 @@ static bool look_at_face(const struct mpm *mpm, int wall, const double a[2], con
 		s = s < 0.0 ? 0.0 : s > length ? length : s;
 		const double y[2] = {a[0] + s * t[0], a[1] + s * t[1]};
 		const double before[2] = {y[0] + PROBE * h * face->normal[0], y[1] + PROBE * h * face->normal[1]};
-		face->distance = hypot(x[0] - y[0], x[1] - y[1]);
+		face->distance = length_of(x[0] - y[0], x[1] - y[1]);
 		if (reachable(mpm, wall, before))
 			return true;
 	}
@@ -191,41 +208,46 @@ static void add_polygon_node(struct mpm *mpm, int wall, int n, const double (*v)
 
 static void add_line_node(struct mpm *mpm, int wall, const double (*v)[2], int node)
 {
-	/* wall_solid() begins with the face, from second to first: its right is the material's side */
+	/* wall_corners() begins with the face, from second to first: its right is the material's side */
 	double tx = v[1][0] - v[0][0], ty = v[1][1] - v[0][1], length = hypot(tx, ty);
 	struct wall_node contact = {.node = node, .wall = wall, .normals = 1, .normal = {{ty / length, -tx / length}}};
 	add_contact(mpm_work(mpm), &contact);
 }
 
-/* Nodes of the grid that the box around a solid spans, widened by one. */
-static void node_range(const struct grid *grid, int n, const double (*v)[2], int low[2], int high[2])
+/* In the solid or on its surface? */
+static bool solid_holds(const struct wall_solid *s, const double x[2], double on_surface)
 {
-	const int count[2] = {grid->nx, grid->ny};
-	for (int c = 0; c < 2; c++) {
-		double min = INFINITY, max = -INFINITY;
-		for (int k = 0; k < n; k++)
-			min = fmin(min, v[k][c]), max = fmax(max, v[k][c]);
-		low[c] = (int)fmax(0.0, floor((min - grid->origin[c]) / grid->h));
-		high[c] = (int)fmin(count[c] - 1.0, ceil((max - grid->origin[c]) / grid->h));
+	bool inside = false;
+	for (int k = 0; k < s->n; k++) {
+		const double *a = s->v[k], *b = s->v[(k + 1) % s->n];
+		if (distance_to_edge(a, b, x) <= on_surface)
+			return true;
+		if ((a[1] > x[1]) != (b[1] > x[1]))
+			inside ^= x[0] < a[0] + (x[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
 	}
+	return inside;
 }
 
 static void find_wall_nodes(struct mpm *mpm, int wall)
 {
 	const struct grid *grid = &mpm->grid;
-	double v[mpm->scene->walls[wall].n_vertices + 4][2];
-	int n = wall_solid(mpm, wall, v), low[2], high[2];
-	node_range(grid, n, (const double(*)[2])v, low, high);
+	const struct wall_solid *solid = &mpm_work(mpm)->solids[wall];
+	const double(*v)[2] = (const double(*)[2])solid->v;
+	const int count[2] = {grid->nx, grid->ny};
+	int low[2], high[2];
+	for (int c = 0; c < 2; c++) {
+		low[c] = (int)fmax(0.0, floor((solid->low[c] - grid->origin[c]) / grid->h));
+		high[c] = (int)fmin(count[c] - 1.0, ceil((solid->high[c] - grid->origin[c]) / grid->h));
+	}
 	for (int j = low[1]; j <= high[1]; j++)
 		for (int i = low[0]; i <= high[0]; i++) {
 			const double x[2] = {grid->origin[0] + i * grid->h, grid->origin[1] + j * grid->h};
-			if (!polygon_contains(n, (const double(*)[2])v, x, 0.0) &&
-				polygon_distance(n, (const double(*)[2])v, x) > ON_SURFACE * grid->h)
+			if (!solid_holds(solid, x, ON_SURFACE * grid->h))
 				continue;
 			if (mpm->scene->walls[wall].shape == SCENE_WALL_LINE)
-				add_line_node(mpm, wall, (const double(*)[2])v, j * grid->nx + i);
+				add_line_node(mpm, wall, v, j * grid->nx + i);
 			else
-				add_polygon_node(mpm, wall, n, (const double(*)[2])v, j * grid->nx + i, x);
+				add_polygon_node(mpm, wall, solid->n, v, j * grid->nx + i, x);
 		}
 }
 
@@ -257,6 +279,8 @@ void walls_update(struct mpm *mpm)
 	if (!changed)
 		return;
 	w->n_wall_nodes = 0;
+	for (int wall = 0; wall < mpm->scene->n_walls; wall++)
+		solid_update(mpm, wall);
 	for (int wall = 0; wall < mpm->scene->n_walls; wall++)
 		if (w->wall_on[wall])
 			find_wall_nodes(mpm, wall);
@@ -371,14 +395,10 @@ void walls_move(struct mpm *mpm)
 /* Most contacts that a wall can have: its box moves, its size does not. */
 static size_t most_contacts(const struct mpm *mpm, int wall)
 {
-	double v[mpm->scene->walls[wall].n_vertices + 4][2];
-	int n = wall_solid(mpm, wall, v);
+	const struct wall_solid *solid = &mpm_work(mpm)->solids[wall];
 	size_t nodes = 1;
 	for (int c = 0; c < 2; c++) {
-		double min = INFINITY, max = -INFINITY;
-		for (int k = 0; k < n; k++)
-			min = fmin(min, v[k][c]), max = fmax(max, v[k][c]);
-		double count = fmin((max - min) / mpm->grid.h + 3.0, c == 0 ? mpm->grid.nx : mpm->grid.ny);
+		double count = fmin((solid->high[c] - solid->low[c]) / mpm->grid.h + 3.0, c == 0 ? mpm->grid.nx : mpm->grid.ny);
 		nodes *= (size_t)count + 1;
 	}
 	return 2 * nodes;
@@ -392,10 +412,17 @@ int walls_create(struct mpm *mpm)
 	mpm->wall_offset = calloc(n + 1, sizeof *mpm->wall_offset);
 	w->wall_on = calloc(n + 1, sizeof *w->wall_on);
 	w->wall_found = calloc(n + 1, sizeof *w->wall_found);
-	if (!mpm->walls || !mpm->wall_offset || !w->wall_on || !w->wall_found)
+	w->solids = calloc(n + 1, sizeof *w->solids);
+	bool complete = mpm->walls && mpm->wall_offset && w->wall_on && w->wall_found && w->solids;
+	for (size_t wall = 0; wall < n && complete; wall++) {
+		w->solids[wall].v = calloc((size_t)mpm->scene->walls[wall].n_vertices + 4, sizeof *w->solids[wall].v);
+		complete = w->solids[wall].v != NULL;
+	}
+	if (!complete)
 		return error_set(STATUS_RESOURCE, "out of memory for %zu walls", n);
 	bool heats = false;
 	for (int wall = 0; wall < mpm->scene->n_walls; wall++) {
+		solid_update(mpm, wall);
 		capacity += most_contacts(mpm, wall);
 		heats = heats || mpm->scene->walls[wall].heat_share > 0.0;
 	}
@@ -417,6 +444,9 @@ void walls_free(struct mpm *mpm)
 	free(mpm->wall_offset);
 	free(w->wall_on);
 	free(w->wall_found);
+	for (int wall = 0; w->solids && wall < mpm->scene->n_walls; wall++)
+		free(w->solids[wall].v);
+	free(w->solids);
 	free(w->wall_nodes);
 	free(w->wall_effects);
 	free(w->wall_group);

@@ -116,7 +116,7 @@ int edit_distance(const char *a, const char *b);
 
 struct problem {
 	struct scene_place place;
-	char *path; /* key concerned; "" = the file */
+	char *path;    /* key concerned; "" = the file */
 	char *message; /* NULL: only taints its path */
 	int order;
 };
