@@ -17,7 +17,8 @@ static const char *const ledger_names[LEDGER_COLUMNS] = {"work",    "elastic", "
 /* A probe's value is a weighted mean over points: one point, its initial neighbours, or those around a place. */
 struct probe {
 	int n;
-	int *point;     /* MATERIAL and ID: ids; AT: storage indices, found for each row */
+	int *id;        /* MATERIAL and ID: who they are */
+	int *point;     /* where they lie in storage, found for each row */
 	double *weight; /* sum 1 */
 };
 
@@ -30,8 +31,6 @@ struct history {
 	bool rve;         /* some law has RVEs: their ledgers are columns */
 	struct history_memory *memory;
 };
-
-static bool history_ids(const struct scene_probe *probe) { return probe->kind != SCENE_PROBE_AT; }
 
 /* ---- probes ---- */
 
@@ -48,13 +47,13 @@ static void probe_material(struct probe *probe, const struct mpm *mpm, const dou
 		double dx = fabs(p->x0[i][0] - X[0]) / side, dy = fabs(p->x0[i][1] - X[1]) / side;
 		double weight = p->body[i] == p->body[nearest] && dx < 1 && dy < 1 ? (1 - dx) * (1 - dy) : 0;
 		if (weight > 1e-6 && probe->n < 16) {
-			probe->point[probe->n] = p->id[i];
+			probe->id[probe->n] = p->id[i];
 			probe->weight[probe->n++] = weight;
 			sum += weight;
 		}
 	}
 	if (probe->n == 0) {
-		probe->point[0] = p->id[nearest];
+		probe->id[0] = p->id[nearest];
 		probe->weight[0] = sum = 1;
 		probe->n = 1;
 	}
@@ -80,6 +79,12 @@ static void probe_at(struct probe *probe, const struct mpm *mpm, const double X[
 		probe->weight[k] /= sum;
 }
 
+static void probe_find(struct probe *probe, const struct mpm *mpm)
+{
+	for (int k = 0; k < probe->n; k++)
+		probe->point[k] = mpm_point_by_id(mpm, probe->id[k]);
+}
+
 static int probes_create(struct history *history)
 {
 	const struct scene *scene = history->mpm->scene;
@@ -89,13 +94,14 @@ static int probes_create(struct history *history)
 	for (int i = 0; i < scene->n_probes; i++) {
 		const struct scene_probe *from = &scene->probes[i];
 		struct probe *probe = &history->probes[i];
-		size_t most = history_ids(from) ? 16 : (size_t)history->mpm->p.n;
+		size_t most = from->kind == SCENE_PROBE_AT ? (size_t)history->mpm->p.n : 16;
+		probe->id = malloc(sizeof *probe->id * (most + 1));
 		probe->point = malloc(sizeof *probe->point * (most + 1));
 		probe->weight = malloc(sizeof *probe->weight * (most + 1));
-		if (!probe->point || !probe->weight)
+		if (!probe->id || !probe->point || !probe->weight)
 			return error_set(STATUS_RESOURCE, "out of memory");
 		if (from->kind == SCENE_PROBE_ID) {
-			probe->n = 1, probe->point[0] = (int)from->id, probe->weight[0] = 1;
+			probe->n = 1, probe->id[0] = (int)from->id, probe->weight[0] = 1;
 		} else if (from->kind == SCENE_PROBE_MATERIAL) {
 			probe_material(probe, history->mpm, from->at);
 		}
@@ -106,12 +112,9 @@ static int probes_create(struct history *history)
 static double probe_mean(const struct history *history, int i, const double *values, int stride, int component)
 {
 	const struct probe *probe = &history->probes[i];
-	bool ids = history_ids(&history->mpm->scene->probes[i]);
 	double sum = probe->n ? 0 : NAN;
-	for (int k = 0; k < probe->n; k++) {
-		int point = ids ? mpm_point_by_id(history->mpm, probe->point[k]) : probe->point[k];
-		sum += probe->weight[k] * values[(size_t)point * (size_t)stride + (size_t)component];
-	}
+	for (int k = 0; k < probe->n; k++)
+		sum += probe->weight[k] * values[(size_t)probe->point[k] * (size_t)stride + (size_t)component];
 	return sum;
 }
 
@@ -119,11 +122,10 @@ static void probe_ledgers(const struct history *history, int i, double out[LEDGE
 {
 	const struct mpm *mpm = history->mpm;
 	const struct probe *probe = &history->probes[i];
-	bool ids = history_ids(&mpm->scene->probes[i]);
 	for (int c = 0; c < LEDGER_COLUMNS; c++)
 		out[c] = probe->n ? 0 : NAN;
 	for (int k = 0; k < probe->n; k++) {
-		int point = ids ? mpm_point_by_id(mpm, probe->point[k]) : probe->point[k];
+		int point = probe->point[k];
 		const struct law *law = mpm->laws[mpm->p.law[point]];
 		struct law_ledger ledger;
 		law->type->ledger(law, mpm->p.slot[point], &ledger);
@@ -207,6 +209,8 @@ static void history_probe(struct history *history, int i)
 	const struct scene_probe *probe = &mpm->scene->probes[i];
 	if (probe->kind == SCENE_PROBE_AT)
 		probe_at(&history->probes[i], mpm, probe->at);
+	else
+		probe_find(&history->probes[i], mpm);
 	for (int c = 0; c < 2; c++)
 		csv_number(history->csv,
 				   probe->kind == SCENE_PROBE_AT ? probe->at[c] : probe_mean(history, i, mpm->p.x[0], 2, c));
@@ -314,6 +318,7 @@ int history_close(struct history *history)
 		return STATUS_OK;
 	int status = history->csv ? csv_close(history->csv) : STATUS_OK;
 	for (int i = 0; history->probes && i < history->mpm->scene->n_probes; i++) {
+		free(history->probes[i].id);
 		free(history->probes[i].point);
 		free(history->probes[i].weight);
 	}

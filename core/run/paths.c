@@ -6,7 +6,8 @@
 #include "run/run_private.h"
 
 struct path {
-	int id; /* of the point */
+	int id;    /* of the point */
+	int point; /* where it lay last: storage is sorted now and then */
 	struct csv_writer *csv;
 };
 
@@ -68,6 +69,7 @@ static int paths_add(struct paths *paths, const struct scene_inspect *inspect, c
 	CHECK(file_join(file, below, name));
 	struct path *path = &paths->paths[paths->n];
 	path->id = mpm->p.id[point];
+	path->point = point;
 	long long found;
 	if (restart)
 		CHECK(path_cut(file, mpm->step, &found));
@@ -106,8 +108,11 @@ int paths_record(struct paths *paths)
 {
 	const struct mpm *mpm = paths->mpm;
 	for (int i = 0; i < paths->n; i++) {
-		int point = mpm_point_by_id(mpm, paths->paths[i].id);
-		struct csv_writer *csv = paths->paths[i].csv;
+		struct path *path = &paths->paths[i];
+		if (mpm->p.id[path->point] != path->id)
+			path->point = mpm_point_by_id(mpm, path->id);
+		int point = path->point;
+		struct csv_writer *csv = path->csv;
 		csv_number(csv, mpm->dt);
 		for (int c = 0; c < 4; c++)
 			csv_number(csv, mpm->p.L[point][c]);

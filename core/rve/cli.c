@@ -362,11 +362,17 @@ static const struct scene_law *find_law(const struct scene *scene, const char *n
 	return n == 1 ? found : NULL;
 }
 
+/* Is any option given that says how to make a packing? */
+static bool makes_packing(const struct options *o)
+{
+	return o->discs >= 0 || !isnan(o->pressure) || !isnan(o->mu_pack) || !isnan(o->void_ratio) ||
+		   !isnan(o->radius_min) || !isnan(o->radius_max) || o->lattice;
+}
+
 static int from_scene(const struct options *o, struct rve_params *params, struct rve_packing **packing)
 {
 	struct scene *scene;
-	if (o->discs >= 0 || !isnan(o->pressure) || !isnan(o->mu_pack) || !isnan(o->void_ratio) || o->lattice ||
-		!isnan(o->radius_min) || !isnan(o->radius_max))
+	if (makes_packing(o))
 		return usage_error(
 			"options for making a packing are given beside --scene, expected --packing or the scene's own");
 	int status = scene_load(&scene, o->scene, o->n_sets, o->sets, stderr);
@@ -405,7 +411,7 @@ static int get_rve(const struct options *o, struct rve_params *params, struct rv
 	rve_params_default(params);
 	if ((o->law || o->n_sets) && !o->scene)
 		return usage_error("--%s is given without --scene, expected the scene that it is for", o->law ? "law" : "set");
-	if (o->packing && (o->discs >= 0 || !isnan(o->pressure) || !isnan(o->mu_pack) || !isnan(o->void_ratio)))
+	if (o->packing && makes_packing(o))
 		return usage_error("--packing and options for making one are both given, expected one of them");
 	if (o->scene)
 		CHECK(from_scene(o, params, packing));
@@ -429,7 +435,9 @@ static void report(const struct rve_drive_report *r, const char *out, double sec
 {
 	const struct rve_info *last = &r->last;
 	printf("%s: %d rows, %lld sub-steps in %.2f s\n", out, r->rows, last->total_sub_steps, seconds);
-	if (r->rows_off_pressure > 0)
+	if (r->rows_off_pressure == r->rows)
+		fprintf(stderr, "tmdempm rve load: warning: the pressure is not reached, a larger --strain is needed\n");
+	else if (r->rows_off_pressure > 0)
 		fprintf(stderr,
 				"tmdempm rve load: warning: in %d of %d rows the held stress is more than 1%% off; a smaller --rate "
 				"or --strain-per-step holds it better\n",

@@ -164,6 +164,20 @@ class RveCommands(unittest.TestCase):
             self.assertAlmostEqual(rows[-1][name], -200e3, delta=2e3)
         self.assertLess(rows[-1]["strain_vol"], 0.0)
 
+    def test_iso_says_when_it_does_not_get_there(self):
+        done = rve("load", "--packing", "P.h5", "--load", "iso", "--lateral", "1e6", "--rate", 1, "--strain", 1e-3, "--out",
+                   "short.csv")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("warning: the pressure is not reached", done.stderr)
+
+    def test_a_guard_ends_the_curve_and_says_so(self):
+        done = rve("load", "--packing", "P.h5", "--load", "iso", "--lateral", "2e8", "--rate", 100, "--strain", 2, "--out",
+                   "crushed.csv")
+        self.assertEqual(done.returncode, 3)
+        rows = read_curve("crushed.csv")
+        self.assertIn("crushed.csv ends after %d rows" % len(rows), done.stderr)
+        self.assertLess(len(rows), 201)
+
     def test_heat_before_the_load_raises_the_pressure(self):
         cold = self.curve("--load", "isochoric", "--rate", 1, "--strain", 0)
         warm = self.curve("--load", "isochoric", "--rate", 1, "--strain", 0, "--temperature", 20)
