@@ -11,8 +11,6 @@ typedef void rve_kernel(const struct rve_layout *, const struct rve_constants *,
 
 struct rve_variant {
 	real *table;          /* TABLE_FIELDS disc arrays */
-	int *order;           /* packing's index of each disc: the model sorts by radius, largest first, so that discs
-	                       * with many neighbours stand together and levels of entries have no holes */
 	unsigned char *start; /* the state at birth */
 	double volume;        /* m3 */
 	double solid_area;    /* m2, sum pi r^2 at the reference temperature */

@@ -33,14 +33,14 @@ static int place_array(int *end, int bytes)
 static int layout_make(struct rve_layout *layout, int n, double skin, double r_min, double r_max)
 {
 	layout->n = n;
-	layout->stride = (n + 1 + 7) / 8 * 8;
+	layout->stride = (n + 1 + ROW_PAD - 1) / ROW_PAD * ROW_PAD; /* a ghost at least */
 	/* discs in the plane have six neighbours on average at most; a wide skin reaches the second ones */
-	layout->pairs = (int)(n * 3.0 * fmax(1.0, (2.0 + skin) * (2.0 + skin) / 4.84));
-	layout->pair_stride = (layout->pairs + 1 + 7) / 8 * 8;
 	layout->levels = 3 + (int)ceil(pi * (1.0 + r_max / r_min) * (1.0 + 0.5 * skin));
+	layout->pairs = (int)(n * 3.0 * fmax(1.0, (2.0 + skin) * (2.0 + skin) / 4.84)) + ROW_PAD * layout->levels;
+	layout->pair_stride = (layout->pairs + 1 + 7) / 8 * 8;
 	layout->grid = (int)sqrt((double)n);
-	if (2 * layout->pair_stride > UINT16_MAX)
-		return error_set(STATUS_INPUT, "an RVE of %d discs: too many, at most %d", n, (int)((long)n * (UINT16_MAX / 2) / layout->pair_stride));
+	if (layout->pair_stride > UINT16_MAX)
+		return error_set(STATUS_INPUT, "an RVE of %d discs: too many, at most %d", n, (int)((long)n * UINT16_MAX / layout->pair_stride));
 	if (layout->levels > RVE_LEVELS_MAX)
 		return error_set(STATUS_INPUT, "radii from %g to %g m: the ratio is too wide, at most about 9", r_min, r_max);
 	int end = sizeof(struct rve_head);
@@ -49,9 +49,8 @@ static int layout_make(struct rve_layout *layout, int n, double skin, double r_m
 	layout->ft = place_array(&end, (int)sizeof(real) * layout->pairs);
 	layout->fd = place_array(&end, (int)sizeof(real32) * layout->pairs);
 	layout->damping = place_array(&end, (int)sizeof(real32) * layout->pairs);
-	layout->pair_i = place_array(&end, (int)sizeof(index16) * layout->pairs);
 	layout->pair_j = place_array(&end, (int)sizeof(index16) * layout->pairs);
-	layout->first = place_array(&end, (int)sizeof(index16) * layout->stride);
+	layout->id = place_array(&end, (int)sizeof(index16) * layout->stride);
 	layout->flag = place_array(&end, layout->pairs);
 	layout->entry = place_array(&end, (int)sizeof(index16) * layout->levels * layout->stride);
 	layout->bytes = (end + 63) / 64 * 64;
@@ -59,40 +58,28 @@ static int layout_make(struct rve_layout *layout, int n, double skin, double r_m
 	return STATUS_OK;
 }
 
-/* Largest first, packing's order among equals. */
-static const double *sort_radius;
-static int by_radius(const void *a, const void *b)
-{
-	int i = *(const int *)a, j = *(const int *)b;
-	if (sort_radius[i] != sort_radius[j])
-		return sort_radius[i] > sort_radius[j] ? -1 : 1;
-	return (i > j) - (i < j);
-}
-
-static int variant_tables(struct rve_model *model, struct rve_variant *variant, const struct rve_packing *packing)
+static int variant_tables(const struct rve_model *model, struct rve_variant *variant, const struct rve_packing *packing)
 {
 	const struct rve_layout *layout = &model->layout;
 	size_t table_bytes = sizeof(real) * TABLE_FIELDS * (size_t)layout->stride;
-	variant->order = malloc(sizeof(int) * (size_t)layout->n);
 	variant->table = aligned_alloc(64, (table_bytes + 63) / 64 * 64);
 	variant->start = aligned_alloc(64, (size_t)layout->bytes);
-	if (!variant->order || !variant->table || !variant->start)
+	if (!variant->table || !variant->start)
 		return error_set(STATUS_RESOURCE, "out of memory for an RVE of %d discs", layout->n);
 	memset(variant->table, 0, table_bytes);
 	memset(variant->start, 0, (size_t)layout->bytes);
-	for (int i = 0; i < layout->n; i++)
-		variant->order[i] = i;
-	sort_radius = packing->r;
-	qsort(variant->order, (size_t)layout->n, sizeof(int), by_radius);
 	variant->solid_area = 0.0;
 	for (int i = 0; i < layout->n; i++) {
-		double r = packing->r[variant->order[i]];
-		double area = pi * r * r, mass = model->params.grain_density * area * model->params.thickness;
+		double r = packing->r[i], area = pi * r * r, mass = model->params.grain_density * area * model->params.thickness;
 		variant->solid_area += area;
 		variant->table[TABLE_R * layout->stride + i] = r;
 		variant->table[TABLE_MASS * layout->stride + i] = mass;
 		variant->table[TABLE_DT_MASS * layout->stride + i] = model->constants.dt / mass;
 		variant->table[TABLE_DT_INERTIA * layout->stride + i] = model->constants.dt / (0.5 * mass * r * r);
+	}
+	for (int i = layout->n; i < layout->stride; i++) { /* the ghost: so small that it touches nothing, and does not move */
+		variant->table[TABLE_R * layout->stride + i] = -1e6;
+		variant->table[TABLE_MASS * layout->stride + i] = 1.0;
 	}
 	variant->volume = mat2_determinant(packing->H) * model->params.thickness;
 	variant->void_ratio = mat2_determinant(packing->H) / variant->solid_area - 1.0;
@@ -106,22 +93,19 @@ static real *state_discs(const struct rve_layout *layout, const void *state, int
 	return (real *)((unsigned char *)(uintptr_t)state + layout->disc) + field * layout->stride;
 }
 
-/* Tangential forces of a packing's contacts, put where the state's pairs are. */
-static void variant_forces(const struct rve_layout *layout, struct rve_variant *variant, const struct rve_packing *packing, int *rank)
+/* Tangential forces of a packing's contacts, put where the state's pairs are; the same seen from either disc. */
+static void variant_forces(const struct rve_layout *layout, struct rve_variant *variant, const struct rve_packing *packing)
 {
 	const struct rve_head *head = head_of(variant->start);
-	const index16 *pair_i = (const index16 *)(variant->start + layout->pair_i);
-	const index16 *pair_j = (const index16 *)(variant->start + layout->pair_j);
+	const index16 *pair_j = (const index16 *)(variant->start + layout->pair_j), *id = (const index16 *)(variant->start + layout->id);
 	real *ft = (real *)(variant->start + layout->ft);
-	for (int i = 0; i < layout->n; i++)
-		rank[variant->order[i]] = i;
-	for (int c = 0; c < packing->n_contacts; c++) {
-		int a = rank[packing->pair[c][0]], b = rank[packing->pair[c][1]];
-		int i = a < b ? a : b, j = a < b ? b : a;
-		for (int p = 0; p < head->n_pairs; p++)
-			if (pair_i[p] == i && pair_j[p] == j)
-				ft[p] = packing->ft[c]; /* the same seen from either disc */
-	}
+	for (int level = 0; level < head->levels; level++)
+		for (int row = 0; row < head->level_rows[level]; row++) {
+			int p = head->level_first[level] + row, a = id[row], b = id[pair_j[p]];
+			for (int c = 0; c < packing->n_contacts; c++)
+				if ((packing->pair[c][0] == a && packing->pair[c][1] == b) || (packing->pair[c][0] == b && packing->pair[c][1] == a))
+					ft[p] = packing->ft[c];
+		}
 }
 
 static int variant_start(struct rve_model *model, int number, const struct rve_packing *packing)
@@ -136,10 +120,13 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	mat2_identity(head->F);
 	head->variant = number;
 	for (int i = 0; i < layout->n; i++) {
-		const double *x = packing->x[variant->order[i]];
+		const double *x = packing->x[i];
+		((index16 *)(variant->start + layout->id))[i] = (index16)i;
 		state_discs(layout, variant->start, DISC_SX)[i] = inverse[0] * x[0] + inverse[1] * x[1];
 		state_discs(layout, variant->start, DISC_SY)[i] = inverse[2] * x[0] + inverse[3] * x[1];
 	}
+	for (int i = layout->n; i < layout->stride; i++)
+		((index16 *)(variant->start + layout->id))[i] = (index16)layout->n;
 	unsigned char *scratch = rve_scratch(model, 0);
 	int status = rve_sub_steps(model, variant->start, scratch, rest, 0.0, 0.0, 0, 1);
 	if (status == KERNEL_SLENDER)
@@ -147,7 +134,7 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 		                 "closer radii or a smaller skin", 4.0 * model->constants.r_max + 2.0 * model->constants.skin);
 	if (status != KERNEL_OK)
 		return error_set(STATUS_INPUT, "the packing's discs overlap too much to be neighbours");
-	variant_forces(layout, variant, packing, (int *)scratch);
+	variant_forces(layout, variant, packing);
 	rve_sub_steps(model, variant->start, scratch, rest, 0.0, 0.0, 0, 0);
 	head->ledger[LEDGER_WORK] = head->ledger[LEDGER_ELASTIC] + head->ledger[LEDGER_KINETIC];
 	head->rebuilds = 0;
@@ -217,7 +204,6 @@ void rve_model_free(struct rve_model *model)
 		return;
 	for (int v = 0; v < model->n_variants; v++) {
 		free(model->variants[v].table);
-		free(model->variants[v].order);
 		free(model->variants[v].start);
 	}
 	free(model->variants);
