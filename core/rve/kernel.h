@@ -112,8 +112,10 @@ BLOCKFN void state_load(const struct rve_place *at)
 		WORK_PAIR(WORK_FT)[p] = STATE_FT[p];
 		WORK_PAIR_INDEX(WORK_J)[p] = STATE_J[p];
 	}
-	for (int level = 0; level < block->head.entry_levels; level++)
-		FOR_THREADS(i, block->head.entry_rows[level]) WORK_ENTRY(level)[i] = STATE_ENTRY(level)[i];
+	for (int level = 0; level < block->head.entry_levels; level++) {
+		const int first = block->head.entry_first[level];
+		FOR_THREADS(i, at->layout->n - first) WORK_ENTRY(level)[first + i] = STATE_ENTRY(level)[first + i];
+	}
 	LOCAL real *lanes = &block->lanes[0][0];
 	FOR_THREADS(k, LANE_FIELDS * LANES) lanes[k] = 0.0;
 	slots_clear(at);

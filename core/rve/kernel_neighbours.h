@@ -177,7 +177,8 @@ BLOCKFN void history_keep(const struct rve_place *at)
 	SYNC();
 }
 
-/* New rows: by how many pairs a disc owns, then by how many others it has, the most first.  Sizes of the levels. */
+/* New rows: by how many pairs a disc owns, the most first, then by how many others it has, the fewest first (who owns many
+ * has few others, so that the levels of entries have few holes).  Sizes of the levels. */
 BLOCKFN void rows_sort(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
@@ -195,11 +196,11 @@ BLOCKFN void rows_sort(const struct rve_place *at)
 		if (most > capacity)
 			block->status = KERNEL_CROWDED;
 		for (int i = 0; i < n && most <= capacity; i++)
-			start[(capacity - owned[i]) * (capacity + 1) + capacity - others[i] + 1]++;
+			start[(capacity - owned[i]) * (capacity + 1) + others[i] + 1]++;
 		for (int k = 0; k < keys; k++)
 			start[k + 1] += start[k];
 		for (int i = 0; i < n && most <= capacity; i++) {
-			row[i] = start[(capacity - owned[i]) * (capacity + 1) + capacity - others[i]]++;
+			row[i] = start[(capacity - owned[i]) * (capacity + 1) + others[i]]++;
 			id[row[i]] = i;
 		}
 		int first = 0, levels = 0;
@@ -320,20 +321,22 @@ BLOCKFN void entries_write(const struct rve_place *at)
 			levels = degree[i] > levels ? degree[i] : levels;
 		block->head.entry_levels = levels;
 		for (int level = 0; level < levels; level++) {
-			int rows = n;
-			while (degree[rows - 1] <= level)
-				rows--;
-			block->head.entry_rows[level] = (index16)((rows + ROW_PAD - 1) / ROW_PAD * ROW_PAD);
+			int first = 0;
+			while (degree[first] <= level)
+				first++;
+			block->head.entry_first[level] = (index16)(first / ROW_PAD * ROW_PAD);
 		}
 	}
 	SYNC();
-	for (int level = 0; level < block->head.entry_levels; level++)
-		FOR_THREADS(i, block->head.entry_rows[level])
+	for (int level = 0; level < block->head.entry_levels; level++) {
+		const int first = block->head.entry_first[level];
+		FOR_THREADS(k, n - first)
 		{
-			int e = i < n && degree[i] > level ? entry[level * stride + i] : at->layout->pairs;
+			const int i = first + k, e = degree[i] > level ? entry[level * stride + i] : at->layout->pairs;
 			entry[level * stride + i] = e;
 			STATE_ENTRY(level)[i] = (index16)e;
 		}
+	}
 	SYNC();
 }
 

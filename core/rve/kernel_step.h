@@ -94,7 +94,7 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 			/* relative displacement in this sub-step: fluctuations and stretching, without the rotation */
 			real ex = dxx * bx + dxy * by, ey = dxy * bx + dyy * by;
 			real ux = (vx[j] - vx[i]) * step + ex, uy = (vy[j] - vy[i]) * step + ey;
-			real spin = (ri - half) * w[i] + (rj - half) * w[j];
+			real ai = ri - half, aj = rj - half, spin = ai * w[i] + aj * w[j];
 			real un = ux * nx + uy * ny, ut = uy * nx - ux * ny - spin * step;
 			/* normal force: spring and dashpot, never pulling */
 			real spring = kn * real_max(overlap, 0.0);
@@ -104,20 +104,19 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 			/* tangential force: spring up to the Coulomb limit; the rest of the displacement slips */
 			real cap = mu * fn, ft_old = tangential[i], trial = ft_old - ks * ut;
 			real ft = real_max(real_min(trial, cap), -cap);
-			real slip = (ft_old + ft) * (trial - ft);
 			real fx = fn * nx - ft * ny, fy = fn * ny + ft * nx;
 			tangential[i] = ft;
 			dashpot_force[i] = (real32)fd;
 			force_x[i] -= fx;
 			force_y[i] -= fy;
-			torque[i] -= (ri - half) * ft;
+			torque[i] -= ai * ft;
 			slot_x[i] = fx;
 			slot_y[i] = fy;
-			slot_t[i] = (half - rj) * ft;
+			slot_t[i] = aj * ft;
 			sum[LANE_WORK][lane] -= fx * ex + fy * ey;
 			sum[LANE_EXPANSION][lane] += spring * (radius[i] + radius[j]);
-			sum[LANE_FRICTION][lane] += slip * half_compliance;
-			sum[LANE_DASHPOT][lane] -= 0.5 * (fd_old + fd) * un;
+			sum[LANE_FRICTION][lane] += (ft_old + ft) * (trial - ft);
+			sum[LANE_DASHPOT][lane] -= (fd_old + fd) * un;
 			if (last) {
 				real touching = overlap > 0.0 ? 1.0 : 0.0;
 				real l = touching * length, ll = l * length;
@@ -157,13 +156,14 @@ BLOCKFN void contacts(const struct rve_place *at, const int last)
 		contacts_of_level(at, level, last);
 	LOCAL const real *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY), *slot_t = WORK_PAIR(WORK_TJ);
 	for (int level = 0; level < head->entry_levels; level++) {
-		LOCAL const int *entry = WORK_ENTRY(level);
-		const int rows = head->entry_rows[level];
-		FOR_THREADS(i, rows)
+		const int first = head->entry_first[level];
+		LOCAL const int *entry = WORK_ENTRY(level) + first;
+		LOCAL real *x = fx + first, *y = fy + first, *t = torque + first;
+		FOR_THREADS(i, at->layout->n - first)
 		{
-			fx[i] += slot_x[entry[i]];
-			fy[i] += slot_y[entry[i]];
-			torque[i] += slot_t[entry[i]];
+			x[i] += slot_x[entry[i]];
+			y[i] += slot_y[entry[i]];
+			t[i] -= slot_t[entry[i]];
 		}
 		SYNC();
 	}
@@ -259,8 +259,8 @@ BLOCKFN void homogenise(const struct rve_place *at)
 			head->ledger[LEDGER_WORK] += total[LANE_WORK] + total[LANE_KINETIC_WORK] + 0.5 * (final - first);
 			real grown = total[LANE_EXPANSION] + 0.5 * (head->expansion_sum - total[LANE_OVERLAP_FORCE]);
 			head->ledger[LEDGER_EXPANSION] += grown * block->scale_step;
-			head->ledger[LEDGER_FRICTION] += total[LANE_FRICTION];
-			head->ledger[LEDGER_DASHPOT] += total[LANE_DASHPOT];
+			head->ledger[LEDGER_FRICTION] += 0.5 / c->ks * total[LANE_FRICTION];
+			head->ledger[LEDGER_DASHPOT] += 0.5 * total[LANE_DASHPOT];
 		}
 		head->ledger[LEDGER_ELASTIC] = total[LANE_ELASTIC];
 		head->ledger[LEDGER_KINETIC] = total[LANE_KINETIC];

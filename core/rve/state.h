@@ -43,7 +43,7 @@ struct rve_head {
 	int levels, entry_levels;
 	index16 level_rows[RVE_LEVELS_MAX];  /* m_l */
 	index16 level_first[RVE_LEVELS_MAX + 1];
-	index16 entry_rows[RVE_LEVELS_MAX];  /* rows 0 .. entry_rows[k]-1 have entries in level k */
+	index16 entry_first[RVE_LEVELS_MAX]; /* rows from here on have entries in level k */
 	unsigned inertia[RVE_INERTIA_BINS]; /* calls by inertial number */
 	int sub_steps, flags, variant, reseeded, rebuilds, clamped;
 };
