@@ -15,26 +15,6 @@
 #include "mpm/mpm.h"
 #include "mpm/mpm_private.h"
 
-static void ok(int status)
-{
-	if (status != STATUS_OK)
-		print_error("status %d: %s\n", status, error_message());
-	assert_int_equal(status, STATUS_OK);
-}
-
-static struct mpm *start(const struct scene *scene)
-{
-	struct mpm *mpm;
-	ok(mpm_create(&mpm, scene));
-	return mpm;
-}
-
-static void steps(struct mpm *mpm, int n)
-{
-	for (int k = 0; k < n; k++)
-		ok(mpm_step(mpm));
-}
-
 /* Everything at once: two laws, heat, walls of all kinds, a moving one, stages, damping; big enough for threads. */
 static struct scene *everything(struct elastic_scene *s)
 {
