@@ -9,29 +9,10 @@
 #include <cmocka.h>
 
 #include "../common/elastic_scene.h"
+#include "../common/mpm_case.h"
 #include "../common/near.h"
 #include "base/error.h"
 #include "mpm/mpm.h"
-
-static void ok(int status)
-{
-	if (status != STATUS_OK)
-		print_error("status %d: %s\n", status, error_message());
-	assert_int_equal(status, STATUS_OK);
-}
-
-static struct mpm *start(const struct scene *scene)
-{
-	struct mpm *mpm;
-	ok(mpm_create(&mpm, scene));
-	return mpm;
-}
-
-static void steps(struct mpm *mpm, int n)
-{
-	for (int k = 0; k < n; k++)
-		ok(mpm_step(mpm));
-}
 
 /* Largest |residual| over the work done, looking every `every` steps. */
 static double run_and_watch(struct mpm *mpm, int n, int every, double work)
