@@ -6,7 +6,7 @@
 #include "run/run_private.h"
 #include "scene/compare.h"
 
-enum { CHECKPOINT_VERSION = 1 };
+enum { CHECKPOINT_VERSION = 2 };
 
 /* The bits of a state depend on the text that computed it: a state of one path goes on on that path. */
 static const char code_path[] = "cpu, serial kernel, double";
@@ -58,10 +58,15 @@ static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct
 static int checkpoint_write_state(hid_t file, struct mpm *mpm)
 {
 	struct mpm_state_array *arrays;
+	unsigned long long hashes[mpm->n_laws + 1];
 	int n;
+	for (int l = 0; l < mpm->n_laws; l++)
+		hashes[l] = mpm->laws[l]->model_hash;
 	CHECK(checkpoint_arrays(mpm, &arrays, &n));
 	hid_t group = -1;
 	int status = h5_group(&group, file, "state");
+	if (status == STATUS_OK)
+		status = h5_write(group, "model_hashes", H5T_NATIVE_ULLONG, (hsize_t)mpm->n_laws, 0, hashes);
 	for (int a = 0; a < n && status == STATUS_OK; a++)
 		status = h5_write(group, arrays[a].name, checkpoint_type(arrays[a].type), arrays[a].count, 0, arrays[a].data);
 	if (group >= 0)
@@ -140,6 +145,21 @@ static int checkpoint_read_history(hid_t file, const char *path, const struct sc
 	return status;
 }
 
+/* A packing that was read from a file, or made by another release, may not be the one of then. */
+static int checkpoint_check_models(hid_t state, const char *path, const struct mpm *mpm)
+{
+	unsigned long long hashes[mpm->n_laws + 1];
+	CHECK(h5_read(state, "model_hashes", H5T_NATIVE_ULLONG, (hsize_t)mpm->n_laws, hashes, path));
+	for (int l = 0; l < mpm->n_laws; l++)
+		if (hashes[l] != mpm->laws[l]->model_hash)
+			return error_set(STATUS_INPUT,
+							 "%s was computed with other packings in law %s: a packing file has changed, or "
+							 "this release makes another packing of the same settings; begin anew, or go on with "
+							 "what began it",
+							 path, mpm->laws[l]->name);
+	return STATUS_OK;
+}
+
 static int checkpoint_read_state(hid_t file, const char *path, struct mpm *mpm)
 {
 	struct mpm_state_array *arrays;
@@ -148,6 +168,8 @@ static int checkpoint_read_state(hid_t file, const char *path, struct mpm *mpm)
 	if (group < 0)
 		return error_set(STATUS_INPUT, "%s holds no `state`", path);
 	int status = checkpoint_arrays(mpm, &arrays, &n);
+	if (status == STATUS_OK)
+		status = checkpoint_check_models(group, path, mpm);
 	for (int a = 0; a < n && status == STATUS_OK; a++)
 		status = h5_read(group, arrays[a].name, checkpoint_type(arrays[a].type), arrays[a].count, arrays[a].data, path);
 	H5Gclose(group);

@@ -248,6 +248,8 @@ static int run_finish(struct run *run, int status)
 	for (int i = 0; i < 2; i++)
 		if (status == STATUS_OK && closed[i] != STATUS_OK)
 			status = closed[i], snprintf(message, sizeof message, "%s", error_message());
+	if (status != STATUS_OK)
+		error_set(status, "%s", message); /* the reason that run.json gives */
 	if (run->log.file && run->loop_start > 0) {
 		int reported = report_write(run, run_state(status));
 		if (status == STATUS_OK && reported != STATUS_OK)

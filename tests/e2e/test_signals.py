@@ -29,6 +29,8 @@ def stopped(f, cfg, number, name):
     out = f(name)
     run = started(cfg, out)
     run.send_signal(number)
+    time.sleep(0.01)
+    run.send_signal(number)  # as timeout(1) does: one wish, said twice
     said = run.communicate(timeout=30)[1]
     expect(run.returncode == 130, "%s ends with %d" % (name, run.returncode))
     expect("interrupted at step" in said and "--restart" in said, said)

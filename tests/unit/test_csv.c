@@ -81,7 +81,8 @@ static void numbers_keep_their_bits(void **state)
 {
 	(void)state;
 	const double values[] = {0.1,  -1.0 / 3.0, 5e-324, 1.7976931348623157e308,
-							 -0.0, INFINITY,   NAN,    123456789012345678.0};
+							 -0.0, INFINITY,   NAN,    -NAN,
+							 123456789012345678.0};
 	enum { N = sizeof values / sizeof *values };
 	const char *path = in_folder("numbers.csv");
 	struct csv_writer *w;
@@ -102,6 +103,11 @@ static void numbers_keep_their_bits(void **state)
 	assert_int_equal(t->rows, 1);
 	assert_int_equal(t->lines[0], 3);
 	assert_string_equal(t->comments[0], " a line of its own");
+	char *text;
+	size_t size;
+	assert_int_equal(file_read(&text, &size, path), 0);
+	assert_non_null(strstr(text, ",nan,nan,")); /* one word for it, with either sign */
+	free(text);
 	for (int k = 0; k < N; k++)
 		assert_true(isnan(values[k]) ? isnan(t->values[k]) : memcmp(&values[k], &t->values[k], sizeof(double)) == 0);
 	csv_table_free(t);

@@ -11,7 +11,6 @@
 #include "../common/elastic_scene.h"
 #include "../common/mpm_case.h"
 #include "../common/near.h"
-#include "base/error.h"
 #include "mpm/mpm.h"
 
 /* Largest |residual| over the work done, looking every `every` steps. */

@@ -10,7 +10,6 @@
 #include "../common/elastic_scene.h"
 #include "../common/mpm_case.h"
 #include "../common/near.h"
-#include "base/error.h"
 #include "mpm/mpm.h"
 
 /* Rod with T = 0 at one end and dT at the other: T/dT = x/L + (2/pi) sum ((-1)^n/n) exp(-n^2 pi^2 a t/L^2) sin(n pi
