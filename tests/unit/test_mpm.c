@@ -8,7 +8,6 @@
 #include <cmocka.h>
 
 #include "../common/elastic_scene.h"
-#include "../common/mpm_case.h"
 #include "../common/near.h"
 #include "mpm/mpm.h"
 
