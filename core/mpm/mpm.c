@@ -71,6 +71,7 @@ int mpm_step(struct mpm *mpm)
 	walls_update(mpm);
 	boundaries_update(mpm);
 	mpm_sort(mpm);
+	CHECK(guard_inside(mpm));
 	if (mpm->step % RESORT_STEPS == 0)
 		mpm_resort_storage(mpm);
 
@@ -94,6 +95,8 @@ int mpm_step(struct mpm *mpm)
 	if (mpm->thermal && mpm->scene->thermal.friction_heat)
 		collect_heat(mpm);
 	stage_end_step(mpm);
+	if (mpm->scene->guards.energy_residual > 0.0 && mpm->step % RESIDUAL_STEPS == 0)
+		mpm_measure(mpm);
 	mpm->law_time_ns += law_end - law_start;
 	mpm->mpm_time_ns += now_ns() - law_end + law_start - start;
 	return STATUS_OK;

@@ -76,7 +76,7 @@ struct mpm {
 	double stage_start;        /* s */
 	struct mpm_wall_sums *walls; /* one for each scene wall */
 	double (*wall_offset)[2];  /* m, how far each wall has moved */
-	struct mpm_ledger ledger;  /* filled by mpm_measure() */
+	struct mpm_ledger ledger;  /* filled by mpm_measure(), which a step calls now and then to judge the residual */
 	double stable_step;        /* s, b h sqrt(rho/M) of the last step's stiffest point (thermal limit included) */
 	double thermal_limit;      /* s, the largest time.step that heat conduction allowed in its last step */
 	long long law_time_ns, mpm_time_ns; /* wall time so far in the law and in everything else of the step */

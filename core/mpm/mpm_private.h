@@ -16,6 +16,7 @@ enum {
 	RESORT_STEPS = 64,     /* storage follows the order by cells every so many steps, counted from step 0 */
 	GHOST_CELLS = 1,       /* grid cells beyond the scene's box, for domains that reach over its edge */
 	WALL_SWEEPS = 4,       /* over the walls of a node that feels several */
+	RESIDUAL_STEPS = 100,  /* the energy ledger is judged at least every so many steps */
 	PARALLEL_POINTS = 4096 /* below this a pass is too short to wake other threads for it */
 };
 
@@ -202,6 +203,7 @@ void ledger_start(struct mpm *mpm);
 
 /* ---- guard.c: STATUS_GUARD (or `status`) with step, time, point, reason and cure ---- */
 int guard_step(struct mpm *mpm, int status);
+int guard_inside(const struct mpm *mpm);
 int guard_points(const struct mpm *mpm);
 int guard_residual(const struct mpm *mpm);
 int guard_law(const struct mpm *mpm, int status, int point);
