@@ -37,9 +37,9 @@ static int checkpoint_arrays(struct mpm *mpm, struct mpm_state_array **arrays, i
 	return STATUS_OK;
 }
 
-static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct history_memory *memory)
+static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct history_memory *memory, bool whole)
 {
-	CHECK(h5_attribute_text(file, ".", "format", "tmdempm checkpoint"));
+	CHECK(h5_attribute_text(file, ".", "format", whole ? "tmdempm checkpoint" : "tmdempm state at a guard"));
 	CHECK(h5_attribute_integer(file, ".", "version", CHECKPOINT_VERSION));
 	CHECK(h5_attribute_text(file, ".", "code_path", code_path));
 	CHECK(h5_attribute_integer(file, ".", "step", mpm->step));
@@ -75,11 +75,11 @@ static int checkpoint_write_state(hid_t file, struct mpm *mpm)
 	return status;
 }
 
-int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory)
+int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory, bool whole)
 {
 	struct h5_output output;
 	CHECK(h5_begin(&output, path));
-	int status = checkpoint_write_head(output.file, mpm, memory);
+	int status = checkpoint_write_head(output.file, mpm, memory, whole);
 	if (status == STATUS_OK)
 		status = checkpoint_write_state(output.file, mpm);
 	if (status == STATUS_OK)
@@ -96,7 +96,10 @@ static int checkpoint_open(hid_t *file, const char *path)
 	char *format = NULL;
 	long long version = 0;
 	int status = h5_read_attribute_text(*file, "format", &format, path);
-	if (status != STATUS_OK || strcmp(format, "tmdempm checkpoint"))
+	if (status == STATUS_OK && !strcmp(format, "tmdempm state at a guard"))
+		status = error_set(STATUS_INPUT, "%s is a state in the middle of a step; restart with the checkpoint.h5 beside it",
+						   path);
+	else if (status != STATUS_OK || strcmp(format, "tmdempm checkpoint"))
 		status = error_set(STATUS_INPUT, "%s is not a checkpoint of tmdempm", path);
 	else
 		status = h5_read_integer(*file, "version", &version, path);
@@ -118,8 +121,8 @@ static int checkpoint_compare(hid_t file, const char *path, const struct scene *
 	if (same)
 		return STATUS_OK;
 	return error_set(STATUS_INPUT,
-					 "%s does not belong to this scene: %s; a restart may change time.end, output, images "
-					 "and inspect only",
+					 "%s does not belong to this scene: %s; a restart may change time.end, output, images, "
+					 "inspect and guards only",
 					 path, what);
 }
 
