@@ -331,8 +331,14 @@ static int start_laws(struct mpm *mpm)
 	for (int k = 0; k < p->n; k++)
 		warm = warm || p->dT[k] != 0.0;
 	mpm->dt = mpm->scene->time.step;
-	if (warm)
+	if (warm) {
+		double *warming = mpm_work(mpm)->start_warming = calloc((size_t)p->n, sizeof *warming);
+		if (!warming)
+			return error_set(STATUS_RESOURCE, "out of memory");
+		for (int k = 0; k < p->n; k++)
+			warming[p->id[k]] = p->dT[k];
 		CHECK(advance_laws(mpm));
+	}
 	memset(p->dT, 0, (size_t)p->n * sizeof *p->dT);
 	for (int l = 0; l < mpm->n_laws; l++) {
 		struct law_batch batch = law_batch_of(mpm, l);
@@ -408,7 +414,8 @@ void mpm_free(struct mpm *mpm)
 		boundaries_free(mpm);
 		void *private[] = {w->half,  w->law_start,  w->law_names,   w->law_of_scene, w->conductivity, w->cell,
 						   w->order, w->cell_first, w->row_low,     w->row_high,     w->scratch,      w->permutation,
-						   w->sums,  w->confining,  w->stripe_sums, w->block_sums,   w->row_sums,     w->heat_sums};
+						   w->sums,  w->confining,  w->stripe_sums, w->block_sums,   w->row_sums,     w->heat_sums,
+						   w->start_warming};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);
@@ -438,6 +445,12 @@ int mpm_point_nearest_initial(const struct mpm *mpm, const double at[2])
 			least = d, best = k;
 	}
 	return best;
+}
+
+double mpm_start_warming(const struct mpm *mpm, int id)
+{
+	const double *warming = mpm_work(mpm)->start_warming;
+	return warming ? warming[id] : NAN;
 }
 
 /* ---- state ---- */

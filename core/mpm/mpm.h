@@ -104,6 +104,10 @@ void mpm_region(const struct mpm *mpm, const struct scene_region *region, struct
 int mpm_point_by_id(const struct mpm *mpm, int id);
 int mpm_point_nearest_initial(const struct mpm *mpm, const double at[2]);
 
+/* Temperature change that the law of the point with this id was told before the first step, in one call of time.step
+ * without motion: from the reference temperature to that at birth, K.  NAN if the laws were told nothing. */
+double mpm_start_warming(const struct mpm *mpm, int id);
+
 /* Every array that makes up the state (points, laws' states, ledger sums, walls, time).  Returns how many;
  * pass arrays = NULL to ask.  After writing into them call mpm_restored(). */
 int mpm_state(struct mpm *mpm, struct mpm_state_array *arrays);

@@ -106,6 +106,7 @@ struct mpm_work {
 	char (*law_names)[SCENE_NAME + 8]; /* "laws/NAME", of the states in the checkpoint */
 	int *law_of_scene;                 /* scene law -> index in mpm->laws, -1 = has no points */
 	double *conductivity;              /* by material: W/(m K), NAN = from the law */
+	double *start_warming;             /* K, by id: see mpm_start_warming(); NULL = none */
 
 	/* order by cells */
 	int cells_x, cells_y;
