@@ -373,7 +373,9 @@ static int create_all(struct mpm *mpm)
 	mpm_points_to_grid(mpm);
 	if (mpm->thermal)
 		mpm_remap_temperature(mpm);
-	CHECK(guard_step(mpm, STATUS_INPUT));
+	int status = guard_step(mpm, STATUS_INPUT);
+	if (status != STATUS_OK)
+		return error_context(status, "%s: time.step", scene->path);
 	mpm_clear_grid(mpm);
 	ledger_start(mpm);
 	mpm_measure(mpm);

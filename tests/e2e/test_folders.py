@@ -97,6 +97,15 @@ def other_commands(f, cfg):
     expect("tmdempm run" in tmdempm("--help").stdout and "0." in tmdempm("--version").stdout, "help, version")
 
 
+def step_over_the_limit(f):
+    """Only the packing knows how stiff an RVE is: the step is refused all the same before anything is written."""
+    cfg = f.write("fast.cfg", COLUMN.replace("step = 1e-4", "step = 1e-2"))
+    for command in (("check", cfg), ("run", cfg, "--out", f("fast"))):
+        said = tmdempm(*command, code=2).stderr
+        expect(cfg + ": time.step: " in said and "above the limit" in said and "cure: " in said, said)
+    expect(not os.path.exists(f("fast")), "a refused run has written")
+
+
 def vtk_blocks(f):
     """The offsets in a .vtp lead to blocks that say their own size, and end where the data ends."""
     with open(f("out", "vtk", "domains_00000200.vtp"), "rb") as stream:
@@ -133,3 +142,4 @@ with Folder() as f:
     other_commands(f, cfg)
     refusals(f, cfg)
     disk_full(f, cfg)
+    step_over_the_limit(f)
