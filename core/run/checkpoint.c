@@ -97,8 +97,8 @@ static int checkpoint_open(hid_t *file, const char *path)
 	long long version = 0;
 	int status = h5_read_attribute_text(*file, "format", &format, path);
 	if (status == STATUS_OK && !strcmp(format, "tmdempm state at a guard"))
-		status = error_set(STATUS_INPUT, "%s is a state in the middle of a step; restart with the checkpoint.h5 beside it",
-						   path);
+		status = error_set(STATUS_INPUT,
+						   "%s is a state in the middle of a step; restart with the checkpoint.h5 beside it", path);
 	else if (status != STATUS_OK || strcmp(format, "tmdempm checkpoint"))
 		status = error_set(STATUS_INPUT, "%s is not a checkpoint of tmdempm", path);
 	else

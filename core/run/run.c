@@ -166,10 +166,22 @@ static int run_prepare(struct run *run)
 	return fields_create(&run->fields, run->mpm);
 }
 
+/* What a run that was killed had begun to write here. */
+static void run_sweep(const struct run *run)
+{
+	static const char *const places[] = {"", "snap", "vtk", "rve"};
+	char path[FILE_PATH];
+	for (size_t k = 0; k < sizeof places / sizeof *places; k++)
+		if (run_path(run, places[k], path) == STATUS_OK)
+			file_sweep(path);
+}
+
 static int run_open(struct run *run)
 {
 	char path[FILE_PATH], moved[FILE_PATH];
 	CHECK(folder_make(run->folder, run->options->force && !run->options->restart, moved));
+	if (run->options->restart)
+		run_sweep(run);
 	CHECK(run_path(run, "log.txt", path));
 	CHECK(log_open(&run->log, path));
 	if (moved[0])

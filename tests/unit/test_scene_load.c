@@ -221,11 +221,11 @@ static void text_says_the_same(void **state)
 	(void)state;
 	put("packing.csv", "# H 1 0 0 1\nid,x,y,r\n0,0,0,0.1\n");
 	put("small.cfg", small);
-	const char *v =
-		put("v.cfg", "base = \"small.cfg\"; title = \"a \\\"b\\\" \\\\ \xc3\xa4\";\n"
-					 "set = (\"gravity=[0.0, -9.8]\", \"gravity.[0]=3\", \"grid.thickness=0.1234567890123456789\", \"materials.[0].density=3000000000\",\n"
-					 "\"materials.[1]={name=\\\"n\\\"; heat_capacity=1; law={type=\\\"rve\\\"; "
-					 "packing={file=\\\"packing.csv\\\";};};}\");");
+	const char *v = put("v.cfg", "base = \"small.cfg\"; title = \"a \\\"b\\\" \\\\ \xc3\xa4\";\n"
+								 "set = (\"gravity=[0.0, -9.8]\", \"gravity.[0]=3\", "
+								 "\"grid.thickness=0.1234567890123456789\", \"materials.[0].density=3000000000\",\n"
+								 "\"materials.[1]={name=\\\"n\\\"; heat_capacity=1; law={type=\\\"rve\\\"; "
+								 "packing={file=\\\"packing.csv\\\";};};}\");");
 	struct scene *a = load(v, 0, NULL);
 	char *text = strdup(a->text), away[128];
 	snprintf(away, sizeof away, "%s/packing.csv", folder);
