@@ -156,7 +156,8 @@ static int create_work(struct mpm *mpm)
 		memset(w->sums, 0, nodes * sizeof *w->sums);
 	if (mpm->scene->mpm.confining_pressure != 0.0) {
 		w->confining = calloc(nodes, sizeof *w->confining);
-		complete = complete && w->confining;
+		w->seen = calloc(nodes, sizeof *w->seen);
+		complete = complete && w->confining && w->seen;
 	}
 	return complete ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for %zu points on %zu nodes", n, nodes);
 }
@@ -414,10 +415,10 @@ void mpm_free(struct mpm *mpm)
 	if (w) {
 		walls_free(mpm);
 		boundaries_free(mpm);
-		void *private[] = {w->half,  w->law_start,  w->law_names,   w->law_of_scene, w->conductivity, w->cell,
-						   w->order, w->cell_first, w->row_low,     w->row_high,     w->scratch,      w->permutation,
-						   w->sums,  w->confining,  w->stripe_sums, w->block_sums,   w->row_sums,     w->heat_sums,
-						   w->start_warming};
+		void *private[] = {w->half,       w->law_start,   w->law_names,  w->law_of_scene,  w->conductivity,
+						   w->cell,       w->order,       w->cell_first, w->row_low,       w->row_high,
+						   w->scratch,    w->permutation, w->sums,       w->confining,     w->stripe_sums,
+						   w->block_sums, w->row_sums,    w->heat_sums,  w->start_warming, w->seen};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);
