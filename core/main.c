@@ -47,10 +47,13 @@ static int usage(const char *format, const char *what)
 static int usage_option(const char *command, int result, char *const *argv)
 {
 	char text[512];
-	const char *word = optopt && result == '?' && optopt < 256 ? NULL : argv[optind - 1];
-	if (word)
+	const char *word = argv[optind - 1];
+	if (result == ':' || !strncmp(word, "--", 2))
 		snprintf(text, sizeof text, "%s: %s `%.200s`", command,
-				 result == ':' ? "an argument is missing after" : "unknown option", word);
+				 result == ':' ? "an argument is missing after"
+				 : optopt      ? "no argument is expected in"
+							   : "unknown option",
+				 word);
 	else
 		snprintf(text, sizeof text, "%s: unknown option `-%c`", command, optopt);
 	return usage("%s", text);
@@ -246,6 +249,8 @@ int main(int argc, char **argv)
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
 		if (!strcmp(name, commands[i].name))
 			status = commands[i].command(argc - 1, argv + 1);
+	if ((fflush(stdout) != 0 || ferror(stdout)) && status == STATUS_OK)
+		status = error_set(STATUS_RESOURCE, "cannot write to the standard output");
 	if (status != STATUS_OK && error_message()[0])
 		fprintf(stderr, "tmdempm: %s\n", error_message());
 	return status;

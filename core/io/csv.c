@@ -1,6 +1,7 @@
 #include "io/csv.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,7 +68,10 @@ void csv_number(struct csv_writer *w, double value)
 {
 	char cell[40];
 	cell_begin(w);
-	row_put(w, cell, (size_t)snprintf(cell, sizeof cell, "%.17g", value));
+	if (isnan(value)) /* whatever its sign: printf() would show that */
+		row_put(w, "nan", 3);
+	else
+		row_put(w, cell, (size_t)snprintf(cell, sizeof cell, "%.17g", value));
 }
 
 void csv_integer(struct csv_writer *w, long long value)

@@ -1,7 +1,9 @@
 #include "io/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,6 +83,32 @@ int file_temporary(char temporary[FILE_PATH], const char *path)
 	unsigned k = atomic_fetch_add(&counter, 1);
 	int n = snprintf(temporary, FILE_PATH, "%.*s.%s.%ld-%u.tmp", folder, path, path + folder, (long)getpid(), k);
 	return n < FILE_PATH ? STATUS_OK : path_too_long(path);
+}
+
+/* The process of a name made by file_temporary(), 0 if it is none of those. */
+static long temporary_process(const char *name)
+{
+	if (name[0] != '.' || !file_has_end(name, ".tmp"))
+		return 0;
+	const char *dot = name + strlen(name) - strlen(".tmp");
+	while (dot > name && dot[-1] != '.')
+		dot--;
+	char *end;
+	long process = strtol(dot, &end, 10);
+	return end != dot && *end == '-' && process > 0 ? process : 0;
+}
+
+void file_sweep(const char *folder)
+{
+	DIR *stream = opendir(folder);
+	if (!stream)
+		return;
+	for (struct dirent *entry; (entry = readdir(stream));) {
+		long process = temporary_process(entry->d_name);
+		if (process && kill((pid_t)process, 0) != 0 && errno == ESRCH)
+			unlinkat(dirfd(stream), entry->d_name, 0);
+	}
+	closedir(stream);
 }
 
 /* Some file systems cannot sync a folder (EINVAL); then there is nothing more that could be done. */

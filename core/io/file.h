@@ -33,6 +33,10 @@ int file_make_folder(const char *path);
  * open files by name (HDF5).  Finish with file_commit() or unlink(). */
 int file_temporary(char temporary[FILE_PATH], const char *path);
 
+/* Removes the temporary files of processes that have ended (kill -9, power) from a folder; what cannot be removed
+ * stays. */
+void file_sweep(const char *folder);
+
 /* Syncs the closed file `temporary`, renames it to `path` and syncs the folder.  On failure the temporary
  * file is removed and `path` is as it was. */
 int file_commit(const char *temporary, const char *path);

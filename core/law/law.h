@@ -89,6 +89,7 @@ struct law {
 	char name[SCENE_NAME];
 	double density;       /* bulk at birth, kg/m3; NAN if the law has no opinion */
 	void *model;          /* parameters; rebuilt from the scene, never saved */
+	unsigned long long model_hash; /* of what the states rely on beside the scene's text (packings); 0 = nothing */
 	int n_points;
 	size_t state_bytes;
 	unsigned char *states; /* n_points * state_bytes, 64-byte aligned; saved as it is */

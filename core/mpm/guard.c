@@ -72,6 +72,23 @@ int guard_step(struct mpm *mpm, int status)
 	return STATUS_OK;
 }
 
+/* Points that had left when the state was saved (or whose place is no number) take part in nothing. */
+int guard_inside(const struct mpm *mpm)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	if (!mpm->scene->guards.points_leaving || w->n_inside == mpm->p.n)
+		return STATUS_OK;
+	char text[160];
+	int k = 0;
+	while (w->cell[k] >= 0)
+		k++;
+	where(mpm, k, text);
+	return error_set(STATUS_GUARD,
+					 "%s: it lies outside the grid; cure: a larger grid, a wall in its way, or guards.points_leaving = "
+					 "false (state: start of the step)",
+					 text);
+}
+
 int guard_points(const struct mpm *mpm)
 {
 	const struct mpm_work *w = mpm_work(mpm);
@@ -115,5 +132,5 @@ int guard_law(const struct mpm *mpm, int status, int point)
 	if (point < 0)
 		return error_context(status, "step %lld, t = %.6g s", mpm->step, mpm->time);
 	where(mpm, point, text);
-	return error_context(status, "%s", text);
+	return error_context(status, "%s (state: within the step, not fit to go on from)", text);
 }

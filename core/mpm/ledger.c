@@ -79,6 +79,40 @@ static void add_points(struct mpm *mpm, struct mpm_work *w)
 	t->loss_numerical += -0.5 * increment - damped + 0.5 * mpm->dt * (g[0] * push[0] + g[1] * push[1]);
 }
 
+/* Adds what a contact's wall carries of the confining pressure at a node: on the surface that turns to the wall. */
+static void add_confining_at(struct mpm *mpm, const struct mpm_work *w, int e, int node)
+{
+	const double *n = w->wall_effects[e].normal, *outward = w->confining[node];
+	double area = -(outward[0] * n[0] + outward[1] * n[1]),
+		   force = mpm->scene->mpm.confining_pressure * fmax(area, 0.0);
+	mpm->walls[w->wall_nodes[e].wall].force[0] -= force * n[0];
+	mpm->walls[w->wall_nodes[e].wall].force[1] -= force * n[1];
+}
+
+/* The nodes feel sigma + p_c I, so that every surface carries p_c; where a wall does, it is given back to its force.
+ * A surface that ends between two rows of nodes is held by both: those in contact and, once, those beside them. */
+static void add_confining_reaction(struct mpm *mpm, struct mpm_work *w, int wall)
+{
+	const int nx = mpm->grid.nx, ny = mpm->grid.ny;
+	memset(w->seen, 0, (size_t)nx * (size_t)ny * sizeof *w->seen);
+	for (int e = 0; e < w->n_wall_nodes; e++)
+		if (w->wall_nodes[e].wall == wall)
+			w->seen[w->wall_nodes[e].node] = true;
+	for (int e = 0; e < w->n_wall_nodes; e++) {
+		if (w->wall_nodes[e].wall != wall || w->wall_effects[e].push == 0.0)
+			continue;
+		int node = w->wall_nodes[e].node, i = node % nx, j = node / nx;
+		add_confining_at(mpm, w, e, node);
+		for (int b = j > 0 ? j - 1 : 0; b <= j + 1 && b < ny; b++)
+			for (int a = i > 0 ? i - 1 : 0; a <= i + 1 && a < nx; a++) {
+				int beside = b * nx + a;
+				if (!w->seen[beside] && mpm->grid.mass[beside] > 0.0)
+					add_confining_at(mpm, w, e, beside);
+				w->seen[beside] = true;
+			}
+	}
+}
+
 static void add_walls(struct mpm *mpm, struct mpm_work *w, double *boundary)
 {
 	struct mpm_sums *t = &w->total;
@@ -99,6 +133,8 @@ static void add_walls(struct mpm *mpm, struct mpm_work *w, double *boundary)
 			w->sums[contact->node].capacity > 0.0 && mpm->grid.mass[contact->node] > 0.0)
 			wall->heat += w->fixed_heat[contact->node];
 	}
+	for (int wall = 0; w->confining && wall < mpm->scene->n_walls; wall++)
+		add_confining_reaction(mpm, w, wall);
 }
 
 static void add_heat(struct mpm *mpm, struct mpm_work *w)

@@ -71,6 +71,7 @@ int mpm_step(struct mpm *mpm)
 	walls_update(mpm);
 	boundaries_update(mpm);
 	mpm_sort(mpm);
+	CHECK(guard_inside(mpm));
 	if (mpm->step % RESORT_STEPS == 0)
 		mpm_resort_storage(mpm);
 
@@ -94,6 +95,8 @@ int mpm_step(struct mpm *mpm)
 	if (mpm->thermal && mpm->scene->thermal.friction_heat)
 		collect_heat(mpm);
 	stage_end_step(mpm);
+	if (mpm->scene->guards.energy_residual > 0.0 && mpm->step % RESIDUAL_STEPS == 0)
+		mpm_measure(mpm);
 	mpm->law_time_ns += law_end - law_start;
 	mpm->mpm_time_ns += now_ns() - law_end + law_start - start;
 	return STATUS_OK;
@@ -153,7 +156,8 @@ static int create_work(struct mpm *mpm)
 		memset(w->sums, 0, nodes * sizeof *w->sums);
 	if (mpm->scene->mpm.confining_pressure != 0.0) {
 		w->confining = calloc(nodes, sizeof *w->confining);
-		complete = complete && w->confining;
+		w->seen = calloc(nodes, sizeof *w->seen);
+		complete = complete && w->confining && w->seen;
 	}
 	return complete ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for %zu points on %zu nodes", n, nodes);
 }
@@ -328,8 +332,14 @@ static int start_laws(struct mpm *mpm)
 	for (int k = 0; k < p->n; k++)
 		warm = warm || p->dT[k] != 0.0;
 	mpm->dt = mpm->scene->time.step;
-	if (warm)
+	if (warm) {
+		double *warming = mpm_work(mpm)->start_warming = calloc((size_t)p->n, sizeof *warming);
+		if (!warming)
+			return error_set(STATUS_RESOURCE, "out of memory");
+		for (int k = 0; k < p->n; k++)
+			warming[p->id[k]] = p->dT[k];
 		CHECK(advance_laws(mpm));
+	}
 	memset(p->dT, 0, (size_t)p->n * sizeof *p->dT);
 	for (int l = 0; l < mpm->n_laws; l++) {
 		struct law_batch batch = law_batch_of(mpm, l);
@@ -364,7 +374,9 @@ static int create_all(struct mpm *mpm)
 	mpm_points_to_grid(mpm);
 	if (mpm->thermal)
 		mpm_remap_temperature(mpm);
-	CHECK(guard_step(mpm, STATUS_INPUT));
+	int status = guard_step(mpm, STATUS_INPUT);
+	if (status != STATUS_OK)
+		return error_context(status, "%s: time.step", scene->path);
 	mpm_clear_grid(mpm);
 	ledger_start(mpm);
 	mpm_measure(mpm);
@@ -403,9 +415,10 @@ void mpm_free(struct mpm *mpm)
 	if (w) {
 		walls_free(mpm);
 		boundaries_free(mpm);
-		void *private[] = {w->half,  w->law_start,  w->law_names,   w->law_of_scene, w->conductivity, w->cell,
-						   w->order, w->cell_first, w->row_low,     w->row_high,     w->scratch,      w->permutation,
-						   w->sums,  w->confining,  w->stripe_sums, w->block_sums,   w->row_sums,     w->heat_sums};
+		void *private[] = {w->half,       w->law_start,   w->law_names,  w->law_of_scene,  w->conductivity,
+						   w->cell,       w->order,       w->cell_first, w->row_low,       w->row_high,
+						   w->scratch,    w->permutation, w->sums,       w->confining,     w->stripe_sums,
+						   w->block_sums, w->row_sums,    w->heat_sums,  w->start_warming, w->seen};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);
@@ -435,6 +448,12 @@ int mpm_point_nearest_initial(const struct mpm *mpm, const double at[2])
 			least = d, best = k;
 	}
 	return best;
+}
+
+double mpm_start_warming(const struct mpm *mpm, int id)
+{
+	const double *warming = mpm_work(mpm)->start_warming;
+	return warming ? warming[id] : NAN;
 }
 
 /* ---- state ---- */

@@ -76,7 +76,7 @@ struct mpm {
 	double stage_start;        /* s */
 	struct mpm_wall_sums *walls; /* one for each scene wall */
 	double (*wall_offset)[2];  /* m, how far each wall has moved */
-	struct mpm_ledger ledger;  /* filled by mpm_measure() */
+	struct mpm_ledger ledger;  /* filled by mpm_measure(), which a step calls now and then to judge the residual */
 	double stable_step;        /* s, b h sqrt(rho/M) of the last step's stiffest point (thermal limit included) */
 	double thermal_limit;      /* s, the largest time.step that heat conduction allowed in its last step */
 	long long law_time_ns, mpm_time_ns; /* wall time so far in the law and in everything else of the step */
@@ -103,6 +103,10 @@ void mpm_region(const struct mpm *mpm, const struct scene_region *region, struct
 /* Storage index of the point with this id, or of the point nearest to `at` in the initial body. */
 int mpm_point_by_id(const struct mpm *mpm, int id);
 int mpm_point_nearest_initial(const struct mpm *mpm, const double at[2]);
+
+/* Temperature change that the law of the point with this id was told before the first step, in one call of time.step
+ * without motion: from the reference temperature to that at birth, K.  NAN if the laws were told nothing. */
+double mpm_start_warming(const struct mpm *mpm, int id);
 
 /* Every array that makes up the state (points, laws' states, ledger sums, walls, time).  Returns how many;
  * pass arrays = NULL to ask.  After writing into them call mpm_restored(). */

@@ -16,6 +16,7 @@ enum {
 	RESORT_STEPS = 64,     /* storage follows the order by cells every so many steps, counted from step 0 */
 	GHOST_CELLS = 1,       /* grid cells beyond the scene's box, for domains that reach over its edge */
 	WALL_SWEEPS = 4,       /* over the walls of a node that feels several */
+	RESIDUAL_STEPS = 100,  /* the energy ledger is judged at least every so many steps */
 	PARALLEL_POINTS = 4096 /* below this a pass is too short to wake other threads for it */
 };
 
@@ -105,6 +106,7 @@ struct mpm_work {
 	char (*law_names)[SCENE_NAME + 8]; /* "laws/NAME", of the states in the checkpoint */
 	int *law_of_scene;                 /* scene law -> index in mpm->laws, -1 = has no points */
 	double *conductivity;              /* by material: W/(m K), NAN = from the law */
+	double *start_warming;             /* K, by id: see mpm_start_warming(); NULL = none */
 
 	/* order by cells */
 	int cells_x, cells_y;
@@ -119,6 +121,7 @@ struct mpm_work {
 
 	struct node_sum *sums;
 	double (*confining)[2];  /* m2: sum V grad w; NULL without confining pressure */
+	bool *seen;              /* by node, of a walk over the nodes beside a wall; NULL without confining pressure */
 	double *wall_heat;       /* J, by node: wall friction heat that waits for the thermal step; NULL = none */
 	double *fixed_T;         /* K, by node: imposed temperature, NAN = free; NULL without heat */
 	bool imposes_T;          /* some node has an imposed temperature */
@@ -202,6 +205,7 @@ void ledger_start(struct mpm *mpm);
 
 /* ---- guard.c: STATUS_GUARD (or `status`) with step, time, point, reason and cure ---- */
 int guard_step(struct mpm *mpm, int status);
+int guard_inside(const struct mpm *mpm);
 int guard_points(const struct mpm *mpm);
 int guard_residual(const struct mpm *mpm);
 int guard_law(const struct mpm *mpm, int status, int point);

@@ -6,7 +6,7 @@
 #include "run/run_private.h"
 #include "scene/compare.h"
 
-enum { CHECKPOINT_VERSION = 1 };
+enum { CHECKPOINT_VERSION = 2 };
 
 /* The bits of a state depend on the text that computed it: a state of one path goes on on that path. */
 static const char code_path[] = "cpu, serial kernel, double";
@@ -37,9 +37,9 @@ static int checkpoint_arrays(struct mpm *mpm, struct mpm_state_array **arrays, i
 	return STATUS_OK;
 }
 
-static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct history_memory *memory)
+static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct history_memory *memory, bool whole)
 {
-	CHECK(h5_attribute_text(file, ".", "format", "tmdempm checkpoint"));
+	CHECK(h5_attribute_text(file, ".", "format", whole ? "tmdempm checkpoint" : "tmdempm state at a guard"));
 	CHECK(h5_attribute_integer(file, ".", "version", CHECKPOINT_VERSION));
 	CHECK(h5_attribute_text(file, ".", "code_path", code_path));
 	CHECK(h5_attribute_integer(file, ".", "step", mpm->step));
@@ -58,10 +58,15 @@ static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct
 static int checkpoint_write_state(hid_t file, struct mpm *mpm)
 {
 	struct mpm_state_array *arrays;
+	unsigned long long hashes[mpm->n_laws + 1];
 	int n;
+	for (int l = 0; l < mpm->n_laws; l++)
+		hashes[l] = mpm->laws[l]->model_hash;
 	CHECK(checkpoint_arrays(mpm, &arrays, &n));
 	hid_t group = -1;
 	int status = h5_group(&group, file, "state");
+	if (status == STATUS_OK)
+		status = h5_write(group, "model_hashes", H5T_NATIVE_ULLONG, (hsize_t)mpm->n_laws, 0, hashes);
 	for (int a = 0; a < n && status == STATUS_OK; a++)
 		status = h5_write(group, arrays[a].name, checkpoint_type(arrays[a].type), arrays[a].count, 0, arrays[a].data);
 	if (group >= 0)
@@ -70,11 +75,11 @@ static int checkpoint_write_state(hid_t file, struct mpm *mpm)
 	return status;
 }
 
-int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory)
+int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory, bool whole)
 {
 	struct h5_output output;
 	CHECK(h5_begin(&output, path));
-	int status = checkpoint_write_head(output.file, mpm, memory);
+	int status = checkpoint_write_head(output.file, mpm, memory, whole);
 	if (status == STATUS_OK)
 		status = checkpoint_write_state(output.file, mpm);
 	if (status == STATUS_OK)
@@ -91,7 +96,10 @@ static int checkpoint_open(hid_t *file, const char *path)
 	char *format = NULL;
 	long long version = 0;
 	int status = h5_read_attribute_text(*file, "format", &format, path);
-	if (status != STATUS_OK || strcmp(format, "tmdempm checkpoint"))
+	if (status == STATUS_OK && !strcmp(format, "tmdempm state at a guard"))
+		status = error_set(STATUS_INPUT,
+						   "%s is a state in the middle of a step; restart with the checkpoint.h5 beside it", path);
+	else if (status != STATUS_OK || strcmp(format, "tmdempm checkpoint"))
 		status = error_set(STATUS_INPUT, "%s is not a checkpoint of tmdempm", path);
 	else
 		status = h5_read_integer(*file, "version", &version, path);
@@ -113,8 +121,8 @@ static int checkpoint_compare(hid_t file, const char *path, const struct scene *
 	if (same)
 		return STATUS_OK;
 	return error_set(STATUS_INPUT,
-					 "%s does not belong to this scene: %s; a restart may change time.end, output, images "
-					 "and inspect only",
+					 "%s does not belong to this scene: %s; a restart may change time.end, output, images, "
+					 "inspect and guards only",
 					 path, what);
 }
 
@@ -140,6 +148,21 @@ static int checkpoint_read_history(hid_t file, const char *path, const struct sc
 	return status;
 }
 
+/* A packing that was read from a file, or made by another release, may not be the one of then. */
+static int checkpoint_check_models(hid_t state, const char *path, const struct mpm *mpm)
+{
+	unsigned long long hashes[mpm->n_laws + 1];
+	CHECK(h5_read(state, "model_hashes", H5T_NATIVE_ULLONG, (hsize_t)mpm->n_laws, hashes, path));
+	for (int l = 0; l < mpm->n_laws; l++)
+		if (hashes[l] != mpm->laws[l]->model_hash)
+			return error_set(STATUS_INPUT,
+							 "%s was computed with other packings in law %s: a packing file has changed, or "
+							 "this release makes another packing of the same settings; begin anew, or go on with "
+							 "what began it",
+							 path, mpm->laws[l]->name);
+	return STATUS_OK;
+}
+
 static int checkpoint_read_state(hid_t file, const char *path, struct mpm *mpm)
 {
 	struct mpm_state_array *arrays;
@@ -148,6 +171,8 @@ static int checkpoint_read_state(hid_t file, const char *path, struct mpm *mpm)
 	if (group < 0)
 		return error_set(STATUS_INPUT, "%s holds no `state`", path);
 	int status = checkpoint_arrays(mpm, &arrays, &n);
+	if (status == STATUS_OK)
+		status = checkpoint_check_models(group, path, mpm);
 	for (int a = 0; a < n && status == STATUS_OK; a++)
 		status = h5_read(group, arrays[a].name, checkpoint_type(arrays[a].type), arrays[a].count, arrays[a].data, path);
 	H5Gclose(group);

@@ -168,6 +168,23 @@ static void frame_walls(struct frame_work *work)
 
 /* ---- RVEs ---- */
 
+/* One member of n structs, `stride` bytes apart, as an array; `first` is that of the first. */
+static void frame_reals(struct frame_work *work, const char *name, const char *unit, int location, int n,
+						const double *first, size_t stride)
+{
+	double *to = frame_new_array(work, name, unit, location, FRAME_F64, 1, n);
+	for (int k = 0; to && k < n; k++)
+		to[k] = *(const double *)((const char *)first + (size_t)k * stride);
+}
+
+static void frame_integers(struct frame_work *work, const char *name, int location, int n, const int *first,
+						   size_t stride)
+{
+	int32_t *to = frame_new_array(work, name, "-", location, FRAME_I32, 1, n);
+	for (int k = 0; to && k < n; k++)
+		to[k] = *(const int *)((const char *)first + (size_t)k * stride);
+}
+
 static void frame_discs(struct frame_work *work, const char *name, const struct rve_disc *discs, int n,
 						const double H[4], const char *note, double temperature)
 {
@@ -181,22 +198,13 @@ static void frame_discs(struct frame_work *work, const char *name, const struct 
 	double(*x)[3] = frame_coordinates(work, n);
 	for (int i = 0; x && i < n; i++)
 		x[i][0] = discs[i].x, x[i][1] = discs[i].y;
-	double *radius = frame_new_array(work, "radius", "m", FRAME_POINT, FRAME_F64, 1, n);
-	for (int i = 0; radius && i < n; i++)
-		radius[i] = discs[i].radius;
+	frame_reals(work, "radius", "m", FRAME_POINT, n, &discs->radius, sizeof *discs);
 	double(*u)[3] = frame_new_array(work, "displacement", "m", FRAME_POINT, FRAME_F64, 3, n);
 	for (int i = 0; u && i < n; i++)
 		u[i][0] = discs[i].displacement[0], u[i][1] = discs[i].displacement[1];
-	double *rotation = frame_new_array(work, "rotation", "rad", FRAME_POINT, FRAME_F64, 1, n);
-	for (int i = 0; rotation && i < n; i++)
-		rotation[i] = discs[i].rotation;
-	int32_t *coordination = frame_new_array(work, "coordination", "-", FRAME_POINT, FRAME_I32, 1, n);
-	for (int i = 0; coordination && i < n; i++)
-		coordination[i] = discs[i].contacts;
-	double *T =
-		frame_new_array(work, "temperature", scene_temperature_unit(work->mpm->scene), FRAME_POINT, FRAME_F64, 1, n);
-	for (int i = 0; T && i < n; i++)
-		T[i] = temperature;
+	frame_reals(work, "rotation", "rad", FRAME_POINT, n, &discs->rotation, sizeof *discs);
+	frame_integers(work, "coordination", FRAME_POINT, n, &discs->contacts, sizeof *discs);
+	frame_reals(work, "temperature", scene_temperature_unit(work->mpm->scene), FRAME_POINT, n, &temperature, 0);
 }
 
 /* Contacts across the cell's border twice, once at each border, so that force chains can be read there;
@@ -222,24 +230,13 @@ static int frame_expand_contacts(struct rve_contact *contacts, int *image, int n
 
 static void frame_contact_numbers(struct frame_work *work, const struct rve_contact *contacts, const int *image, int n)
 {
-	double *normal = frame_new_array(work, "normal_force", "N", FRAME_CELL, FRAME_F64, 1, n);
-	for (int k = 0; normal && k < n; k++)
-		normal[k] = contacts[k].normal_force;
-	double *tangential = frame_new_array(work, "tangential_force", "N", FRAME_CELL, FRAME_F64, 1, n);
-	for (int k = 0; tangential && k < n; k++)
-		tangential[k] = contacts[k].tangential_force;
-	double *mobilisation = frame_new_array(work, "mobilisation", "-", FRAME_CELL, FRAME_F64, 1, n);
-	for (int k = 0; mobilisation && k < n; k++)
-		mobilisation[k] = contacts[k].mobilisation;
-	int32_t *sliding = frame_new_array(work, "sliding", "-", FRAME_CELL, FRAME_I32, 1, n);
-	for (int k = 0; sliding && k < n; k++)
-		sliding[k] = contacts[k].sliding;
-	int32_t *bond = frame_new_array(work, "bond", "-", FRAME_CELL, FRAME_I32, 1, n);
-	for (int k = 0; bond && k < n; k++)
-		bond[k] = contacts[k].bond;
-	int32_t *copy = frame_new_array(work, "image", "-", FRAME_CELL, FRAME_I32, 1, n);
-	for (int k = 0; copy && k < n; k++)
-		copy[k] = image[k];
+	size_t stride = sizeof *contacts;
+	frame_reals(work, "normal_force", "N", FRAME_CELL, n, &contacts->normal_force, stride);
+	frame_reals(work, "tangential_force", "N", FRAME_CELL, n, &contacts->tangential_force, stride);
+	frame_reals(work, "mobilisation", "-", FRAME_CELL, n, &contacts->mobilisation, stride);
+	frame_integers(work, "sliding", FRAME_CELL, n, &contacts->sliding, stride);
+	frame_integers(work, "bond", FRAME_CELL, n, &contacts->bond, stride);
+	frame_integers(work, "image", FRAME_CELL, n, image, sizeof *image);
 }
 
 static void frame_contacts(struct frame_work *work, const char *name, const struct rve_contact *contacts,

@@ -178,5 +178,5 @@ int run_info(bool json)
 	info_devices(devices);
 	info_sinks(sinks);
 	(json ? info_json : info_print)(&machine, devices, sinks);
-	return ferror(stdout) ? error_set(STATUS_RESOURCE, "cannot write to the standard output") : STATUS_OK;
+	return STATUS_OK;
 }

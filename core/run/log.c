@@ -79,16 +79,6 @@ void log_warning(struct run_log *log, const char *format, ...)
 	log->n_warnings++;
 }
 
-void log_error(struct run_log *log, const char *format, ...)
-{
-	char text[2560];
-	va_list args;
-	va_start(args, format);
-	vsnprintf(text, sizeof text, format, args);
-	va_end(args);
-	log_write(log, true, "", text);
-}
-
 void log_progress(struct run_log *log, const char *text)
 {
 	if (log->quiet)

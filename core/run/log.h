@@ -23,7 +23,6 @@ void log_close(struct run_log *log);
 /* A line for people; a warning is also counted and repeated in run.json. */
 void log_line(struct run_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void log_warning(struct run_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void log_error(struct run_log *log, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* The progress line: rewritten in place on a terminal, else a line of its own. */
 void log_progress(struct run_log *log, const char *text);

@@ -1,3 +1,4 @@
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,15 +47,28 @@ static int path_cut(const char *file, long long rows, long long *found)
 	return status;
 }
 
-static int path_open(struct path *path, const char *file, bool append)
+static int path_row(struct path *path, double duration, const double L[4], double dT)
 {
+	csv_number(path->csv, duration);
+	for (int c = 0; c < 4; c++)
+		csv_number(path->csv, L[c]);
+	csv_number(path->csv, dT);
+	return csv_end_row(path->csv);
+}
+
+/* A new one begins with what the law was told before the first step. */
+static int path_open(struct path *path, const struct mpm *mpm, const char *file, bool append)
+{
+	static const double rest[4] = {0};
+	double warming = mpm_start_warming(mpm, path->id);
 	static const char *const names[] = {"duration", "L11", "L12", "L21", "L22", "dT"};
 	CHECK(csv_open(&path->csv, file, append));
 	if (append)
 		return STATUS_OK;
 	for (int c = 0; c < 6; c++)
 		csv_text(path->csv, names[c]);
-	return csv_end_row(path->csv);
+	CHECK(csv_end_row(path->csv));
+	return isnan(warming) ? STATUS_OK : path_row(path, mpm->scene->time.step, rest, warming);
 }
 
 static int paths_add(struct paths *paths, const struct scene_inspect *inspect, const char *folder, bool restart,
@@ -70,10 +84,10 @@ static int paths_add(struct paths *paths, const struct scene_inspect *inspect, c
 	struct path *path = &paths->paths[paths->n];
 	path->id = mpm->p.id[point];
 	path->point = point;
-	long long found;
+	long long rows = mpm->step + !isnan(mpm_start_warming(mpm, path->id)), found;
 	if (restart)
-		CHECK(path_cut(file, mpm->step, &found));
-	if (restart && found != mpm->step) {
+		CHECK(path_cut(file, rows, &found));
+	if (restart && found != rows) {
 		log_warning(log,
 					"rve/%s is not written: this folder has no record of it from the first step on, and a part "
 					"of a path cannot be replayed",
@@ -81,7 +95,7 @@ static int paths_add(struct paths *paths, const struct scene_inspect *inspect, c
 		return STATUS_OK;
 	}
 	paths->n++;
-	return path_open(path, file, restart);
+	return path_open(path, mpm, file, restart);
 }
 
 int paths_create(struct paths **result, const struct mpm *mpm, const char *folder, bool restart, struct run_log *log)
@@ -111,13 +125,7 @@ int paths_record(struct paths *paths)
 		struct path *path = &paths->paths[i];
 		if (mpm->p.id[path->point] != path->id)
 			path->point = mpm_point_by_id(mpm, path->id);
-		int point = path->point;
-		struct csv_writer *csv = path->csv;
-		csv_number(csv, mpm->dt);
-		for (int c = 0; c < 4; c++)
-			csv_number(csv, mpm->p.L[point][c]);
-		csv_number(csv, mpm->p.dT[point]);
-		CHECK(csv_end_row(csv));
+		CHECK(path_row(path, mpm->dt, mpm->p.L[path->point], mpm->p.dT[path->point]));
 	}
 	return STATUS_OK;
 }

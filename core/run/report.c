@@ -76,7 +76,7 @@ static void report_counts(struct json *json, const struct run *run)
 /* Number i of the files of a run, relative to its folder; "" if it was not written.  False after the last. */
 static bool report_file(const struct run *run, int i, char name[REPORT_NAME])
 {
-	static const char *const always[] = {"history.csv", "run.json", "log.txt", "checkpoint.h5", "run.h5"};
+	static const char *const always[] = {"history.csv", "run.json", "log.txt", "checkpoint.h5", "guard.h5", "run.h5"};
 	const int n_always = sizeof always / sizeof *always;
 	char path[FILE_PATH];
 	if (i < n_always)

@@ -52,18 +52,20 @@ static int run_output(struct run *run, bool last)
 }
 
 /* Everything that was written before the checkpoint is on disk before the checkpoint is. */
-static int run_checkpoint(struct run *run)
+static int run_save(struct run *run, const char *name, bool whole)
 {
 	char path[FILE_PATH];
 	double start = clock_seconds(), waited = images_waited(run->images);
 	images_flush(run->images);
 	CHECK(history_sync(run->history));
 	CHECK(paths_sync(run->paths));
-	CHECK(run_path(run, "checkpoint.h5", path));
-	CHECK(checkpoint_write(path, run->mpm, &run->memory));
+	CHECK(run_path(run, name, path));
+	CHECK(checkpoint_write(path, run->mpm, &run->memory, whole));
 	run->output_time += clock_seconds() - start - (images_waited(run->images) - waited);
 	return STATUS_OK;
 }
+
+static int run_checkpoint(struct run *run) { return run_save(run, "checkpoint.h5", true); }
 
 /* ---- the loop ---- */
 
@@ -77,8 +79,9 @@ static bool run_is_finite(const struct mpm *mpm)
 	return true;
 }
 
-/* A guard stopped the run: the state is kept where it can be of use; the message is the guard's. */
-static int run_guarded(struct run *run)
+/* A guard stopped the run: the state is kept where it can be of use; the message is the guard's.  In the middle
+ * of a step the last checkpoint stays what a restart, with other guards, goes on from. */
+static int run_guarded(struct run *run, bool whole)
 {
 	char message[2048];
 	snprintf(message, sizeof message, "%s", error_message());
@@ -87,7 +90,7 @@ static int run_guarded(struct run *run)
 						 message);
 	int status = run_output(run, true);
 	if (status == STATUS_OK)
-		status = run_checkpoint(run);
+		status = run_save(run, whole ? "checkpoint.h5" : "guard.h5", whole);
 	if (status != STATUS_OK)
 		log_warning(&run->log, "the state could not be saved: %s", error_message());
 	return error_set(STATUS_GUARD, "%s", message);
@@ -99,9 +102,10 @@ static int run_loop(struct run *run)
 	if (mpm->step == 0)
 		CHECK(run_output(run, run->last_step == 0));
 	while (mpm->step < run->last_step && !signals_stop()) {
+		long long before = mpm->step;
 		int status = mpm_step(mpm);
 		if (status == STATUS_GUARD)
-			return run_guarded(run);
+			return run_guarded(run, mpm->step == before);
 		CHECK(status);
 		CHECK(paths_record(run->paths));
 		CHECK(run_output(run, mpm->step == run->last_step));
@@ -162,10 +166,22 @@ static int run_prepare(struct run *run)
 	return fields_create(&run->fields, run->mpm);
 }
 
+/* What a run that was killed had begun to write here. */
+static void run_sweep(const struct run *run)
+{
+	static const char *const places[] = {"", "snap", "vtk", "rve"};
+	char path[FILE_PATH];
+	for (size_t k = 0; k < sizeof places / sizeof *places; k++)
+		if (run_path(run, places[k], path) == STATUS_OK)
+			file_sweep(path);
+}
+
 static int run_open(struct run *run)
 {
 	char path[FILE_PATH], moved[FILE_PATH];
 	CHECK(folder_make(run->folder, run->options->force && !run->options->restart, moved));
+	if (run->options->restart)
+		run_sweep(run);
 	CHECK(run_path(run, "log.txt", path));
 	CHECK(log_open(&run->log, path));
 	if (moved[0])
@@ -248,6 +264,8 @@ static int run_finish(struct run *run, int status)
 	for (int i = 0; i < 2; i++)
 		if (status == STATUS_OK && closed[i] != STATUS_OK)
 			status = closed[i], snprintf(message, sizeof message, "%s", error_message());
+	if (status != STATUS_OK)
+		error_set(status, "%s", message); /* the reason that run.json gives */
 	if (run->log.file && run->loop_start > 0) {
 		int reported = report_write(run, run_state(status));
 		if (status == STATUS_OK && reported != STATUS_OK)

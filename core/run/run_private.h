@@ -27,8 +27,9 @@ int paths_close(struct paths *paths);
 
 /* ---- checkpoint.c ---- */
 
-/* The state and nothing else: equal states make equal files. */
-int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory);
+/* The state and nothing else: equal states make equal files.  A state that is not `whole` (a guard stopped in the
+ * middle of a step) is written to be looked at; checkpoint_read() refuses it. */
+int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory, bool whole);
 
 /* The name of the code whose bits a checkpoint continues. */
 const char *checkpoint_code_path(void);

@@ -1,18 +1,25 @@
 #include <signal.h>
 #include <string.h>
+#include <time.h>
 
 #include "run/run_private.h"
 
 static volatile sig_atomic_t stop_signal, checkpoint_wanted;
+static volatile sig_atomic_t stop_second; /* of the monotonic clock, when the first request to stop came */
 
-/* The second request to stop ends the program at once. */
+/* A second request to stop ends the program at once, but one request may arrive twice: timeout(1), shells and
+ * job schedulers signal the process and then its group. */
 static void signals_on_stop(int number)
 {
-	if (stop_signal) {
+	struct timespec now;
+	clock_gettime(CLOCK_MONOTONIC, &now);
+	if (!stop_signal) {
+		stop_second = (sig_atomic_t)now.tv_sec;
+		stop_signal = number;
+	} else if ((sig_atomic_t)now.tv_sec - stop_second > 1) {
 		signal(number, SIG_DFL);
 		raise(number);
 	}
-	stop_signal = number;
 }
 
 static void signals_on_user(int number)

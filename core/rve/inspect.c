@@ -96,3 +96,23 @@ int rve_inspect(const struct rve_model *model, const void *state, struct rve_dis
 }
 
 int rve_contact_capacity(const struct rve_model *model) { return model->layout.pairs; }
+
+/* FNV-1a */
+static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
+{
+	const unsigned char *byte = data;
+	for (size_t k = 0; k < size; k++)
+		hash = (hash ^ byte[k]) * UINT64_C(1099511628211);
+	return hash;
+}
+
+unsigned long long rve_packings_hash(const struct rve_model *model)
+{
+	uint64_t hash = UINT64_C(14695981039346656037);
+	for (int v = 0; v < model->n_variants; v++) {
+		hash = hash_bytes(hash, model->variants[v].table + TABLE_R * model->layout.stride,
+						  sizeof(real) * (size_t)model->layout.n);
+		hash = hash_bytes(hash, model->variants[v].start, (size_t)model->layout.bytes);
+	}
+	return hash;
+}

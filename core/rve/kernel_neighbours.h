@@ -2,8 +2,9 @@
  *
  * Pairs are those nearer than r_i + r_j + skin when the list is built, sorted by i, then j, i < j.  The list
  * is right while sigma_min(H H_ref^-1) (2 r_max + skin) - 2 u_max >= 2 r_max, u_max being the largest
- * non-affine displacement since: the bound holds for every pair, since with sigma_min <= 1 (a larger one counts as 1) the largest radii lose most.   The nearest image of a
- * pair in reach is unique while the cell is at least 2 (2 r_max + skin) wide. */
+ * non-affine displacement since.  That bound holds for every pair if the largest radii lose most by it: so a
+ * sigma_min above 1 counts as 1, and radii that shrink by cooling count as if they did not.  The nearest image of
+ * a pair in reach is unique while the cell is at least 2 (2 r_max + skin) wide. */
 
 BLOCKFN int neighbours_valid(const struct rve_place *at)
 {
@@ -21,7 +22,8 @@ BLOCKFN int neighbours_valid(const struct rve_place *at)
 	const real r_max = at->constants->r_max;
 	real stretch = real_min(cell_least_stretch(block->head.H, block->head.H_ref), 1.0);
 	real reach = stretch * (2.0 * r_max * block->head.scale_ref + at->constants->skin);
-	return reach - real_sqrt(most[0]) - real_sqrt(second[0]) >= 2.0 * r_max * block->scale;
+	real scale = real_max(block->scale, stretch * block->head.scale_ref);
+	return reach - real_sqrt(most[0]) - real_sqrt(second[0]) >= 2.0 * r_max * scale;
 }
 
 /* Ends the stretch of motion since the last build: its displacement is booked, the cell reduced. */

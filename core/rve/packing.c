@@ -22,12 +22,13 @@ static double random_unit(uint64_t *state)
 	return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-static struct rve_packing *packing_alloc(int discs, int contacts)
+struct rve_packing *rve_packing_alloc(int discs, int contacts)
 {
 	struct rve_packing *packing = calloc(1, sizeof *packing);
 	if (!packing)
 		return NULL;
 	packing->n_discs = discs;
+	packing->n_contacts = contacts;
 	packing->x = calloc((size_t)discs, sizeof *packing->x);
 	packing->r = calloc((size_t)discs, sizeof *packing->r);
 	packing->pair = calloc((size_t)contacts + 1, sizeof *packing->pair);
@@ -48,7 +49,7 @@ static int square_lattice(struct rve_packing **packing, const struct rve_packing
 	int side = (int)lround(sqrt((double)how->discs));
 	if (side * side != how->discs)
 		return error_set(STATUS_INPUT, "a square lattice of %d discs: expected a square number", how->discs);
-	struct rve_packing *p = *packing = packing_alloc(how->discs, 0);
+	struct rve_packing *p = *packing = rve_packing_alloc(how->discs, 0);
 	if (!p)
 		return no_memory();
 	double r = how->radius_max, spacing = 2.0 * r * grains->kn / (grains->kn + how->pressure * grains->thickness);
@@ -152,7 +153,7 @@ static int packing_from_state(struct rve_packing **packing, const struct rve_mod
 	int discs = rve_discs(model), capacity = rve_contact_capacity(model);
 	struct rve_disc *disc = malloc(sizeof *disc * (size_t)discs);
 	struct rve_contact *contact = malloc(sizeof *contact * (size_t)capacity);
-	struct rve_packing *p = *packing = packing_alloc(discs, capacity);
+	struct rve_packing *p = *packing = rve_packing_alloc(discs, capacity);
 	if (p && disc && contact) {
 		struct rve_info info;
 		rve_get_info(model, state, &info);
@@ -199,7 +200,7 @@ static int random_packing(struct rve_packing **packing, const struct rve_packing
 	struct rve_params consolidation = *grains;
 	consolidation.mu = mu;
 	consolidation.damping_ratio = 0.2;
-	struct rve_packing *loose = packing_alloc(how->discs, 0);
+	struct rve_packing *loose = rve_packing_alloc(how->discs, 0);
 	if (!loose)
 		return no_memory();
 	int status = place_at_random(loose, how);

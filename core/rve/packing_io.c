@@ -21,22 +21,13 @@ enum { DISCS_MAX = 65535 }; /* neighbours are 16-bit numbers */
 
 static int no_memory(const char *path) { return error_set(STATUS_RESOURCE, "no memory for the packing %s", path); }
 
+/* One of which nothing is known yet but its size. */
 static struct rve_packing *packing_new(int n_discs, int n_contacts)
 {
-	struct rve_packing *p = calloc(1, sizeof *p);
-	if (!p)
-		return NULL;
-	p->n_discs = n_discs;
-	p->n_contacts = n_contacts;
-	p->pressure = p->mu = p->unbalanced = NAN;
-	p->x = calloc((size_t)n_discs, sizeof *p->x);
-	p->r = calloc((size_t)n_discs, sizeof *p->r);
-	p->pair = calloc((size_t)n_contacts + 1, sizeof *p->pair);
-	p->ft = calloc((size_t)n_contacts + 1, sizeof *p->ft);
-	if (p->x && p->r && p->pair && p->ft)
-		return p;
-	rve_packing_free(p);
-	return NULL;
+	struct rve_packing *p = rve_packing_alloc(n_discs, n_contacts);
+	if (p)
+		p->pressure = p->mu = p->unbalanced = NAN;
+	return p;
 }
 
 /* ---- is it a packing? ---- */

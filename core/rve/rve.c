@@ -249,7 +249,7 @@ enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state,
 }
 
 struct rve_outcome {
-	enum { OUTCOME_OK, OUTCOME_RATE, OUTCOME_OVERLAP, OUTCOME_NAN, OUTCOME_CROWDED } kind;
+	enum { OUTCOME_OK, OUTCOME_RATE, OUTCOME_STRAIN, OUTCOME_OVERLAP, OUTCOME_NAN, OUTCOME_CROWDED } kind;
 	double value;
 };
 
@@ -411,10 +411,19 @@ static struct rve_outcome check_state(const struct rve_model *model, const struc
 	return (struct rve_outcome){OUTCOME_OK, 0.0};
 }
 
+/* The kernel left the lists half new: nothing may go on from here. */
+static struct rve_outcome spoilt(struct rve_head *head)
+{
+	for (int k = 0; k < 4; k++)
+		head->stress[k] = NAN;
+	return (struct rve_outcome){OUTCOME_CROWDED, head->max_overlap};
+}
+
 static struct rve_outcome advance_one(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4],
                                       double dT, double dt)
 {
 	struct rve_head *head = head_of(state);
+	const double strain_most = 1.0; /* in one call: far beyond what any time step should bring */
 	double volumetric = (L[0] + L[3]) * dt, rate = principal_rate(L), duration = dt;
 	double increment[4] = {L[0] * dt, L[1] * dt, L[2] * dt, L[3] * dt}, move[4];
 	if (!isfinite(rate * dt) || !isfinite(L[1] - L[2]) || !isfinite(dT))
@@ -423,8 +432,8 @@ static struct rve_outcome advance_one(const struct rve_model *model, void *state
 	mat2_multiply(move, head->F, head->F);
 	if (head->flags & RVE_FROZEN) {
 		frozen_advance(model, state, L, dT, dt);
-		if (head->gap > log(model->params.gas_stretch))
-			reseed(model, state, scratch);
+		if (head->gap > log(model->params.gas_stretch) && reseed(model, state, scratch) != KERNEL_OK)
+			return spoilt(head);
 		return check_state(model, head);
 	}
 	if (head->flags & RVE_GAS) {
@@ -436,10 +445,14 @@ static struct rve_outcome advance_one(const struct rve_model *model, void *state
 		duration = share * dt;
 		gas_leave(model, state, scratch);
 	}
-	int sub_steps = choose_sub_steps(&model->params, head, rate * duration);
+	/* radii that grow strain the contacts too */
+	double strain = fmax(rate * duration, fabs(model->params.expansion * dT));
+	if (strain > strain_most)
+		return (struct rve_outcome){OUTCOME_STRAIN, strain};
+	int sub_steps = choose_sub_steps(&model->params, head, strain);
 	count_inertia(model, head, rate * duration / sub_steps);
 	unsigned char *kept = scratch + model->layout.scratch;
-	int keep = nearly_slender(model, head, rate * duration);
+	int keep = nearly_slender(model, head, strain);
 	if (keep)
 		memcpy(kept, state, (size_t)model->layout.bytes);
 	int status = rve_sub_steps(model, state, scratch, L, dT, duration, sub_steps, 0);
@@ -448,7 +461,7 @@ static struct rve_outcome advance_one(const struct rve_model *model, void *state
 		status = slender(model, state, scratch, L, dT, dt);
 	}
 	if (status != KERNEL_OK)
-		return (struct rve_outcome){OUTCOME_CROWDED, head->max_overlap};
+		return spoilt(head);
 	double stretch = mat2_determinant(head->H) * model->params.thickness / model->variants[head->variant].volume;
 	if (model->params.gas && !(head->flags & RVE_FROZEN) && pressure_of(head) < model->params.gas_pressure &&
 	    stretch > model->params.gas_stretch)
@@ -466,6 +479,9 @@ static int report_failure(const struct rve_params *params, int k, struct rve_out
 	case OUTCOME_RATE:
 		return error_set(STATUS_GUARD, "RVE %d: the velocity gradient or the heating is not finite (%g 1/s): the motion around it has "
 		                 "become unstable; a smaller time step helps", k, outcome.value);
+	case OUTCOME_STRAIN:
+		return error_set(STATUS_GUARD, "RVE %d: strained by %.3g in one step, at most 1 makes sense: the motion around it has become "
+		                 "unstable; a smaller time step helps", k, outcome.value);
 	case OUTCOME_CROWDED:
 		return error_set(STATUS_GUARD, "RVE %d: more neighbours than discs side by side can have (overlap %.3g of the smaller radius): "
 		                 "a smaller time step or a smaller strain_per_step helps", k, outcome.value);

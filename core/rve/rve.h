@@ -40,6 +40,9 @@ void rve_model_free(struct rve_model *model);
 size_t rve_state_bytes(const struct rve_model *model);
 int rve_discs(const struct rve_model *model);
 double rve_void_ratio(const struct rve_model *model, int variant); /* of the start packing */
+
+/* A hash of the start packings (radii and states at birth): states go on with the packings they began with only. */
+unsigned long long rve_packings_hash(const struct rve_model *model);
 double rve_time_step(const struct rve_model *model);               /* dt_DEM, s */
 
 /* Puts the start state of packing `variant` into `state` (64-byte aligned, rve_state_bytes). */

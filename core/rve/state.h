@@ -90,9 +90,10 @@ struct rve_call {
 	real heating;  /* K in one sub-step */
 };
 
-enum rve_kernel_status { KERNEL_OK, KERNEL_SLENDER, KERNEL_CROWDED, KERNEL_LOST };
+enum rve_kernel_status { KERNEL_OK, KERNEL_SLENDER, KERNEL_CROWDED };
 
-/* Advances one RVE.  The state changes only if the status is KERNEL_OK.  `table` = TABLE_FIELDS disc arrays. */
+/* Advances one RVE.  Unless the status is KERNEL_OK, the state is neither the old one nor a new one: a caller that goes
+ * on from there has kept a copy.  `table` = TABLE_FIELDS disc arrays. */
 void rve_kernel_base(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
                      GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
 void rve_kernel_v3(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,

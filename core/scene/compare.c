@@ -5,7 +5,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const free_settings[] = {"title", "output", "images", "inspect"};
+static const char *const free_settings[] = {"title", "output", "images", "inspect", "guards"};
+
+/* A guard that stands among a law's settings: in the elements of `list`, or in their groups `inner`. */
+static void compare_drop_overlap(config_setting_t *list, const char *inner)
+{
+	for (int i = 0; list && i < config_setting_length(list); i++) {
+		config_setting_t *law = config_setting_get_elem(list, (unsigned)i);
+		if (law && inner)
+			law = config_setting_is_group(law) ? config_setting_get_member(law, inner) : NULL;
+		if (law && config_setting_is_group(law) && config_setting_get_member(law, "overlap_max"))
+			config_setting_remove(law, "overlap_max");
+	}
+}
 
 static void compare_drop_free(config_t *config)
 {
@@ -13,6 +25,8 @@ static void compare_drop_free(config_t *config)
 	for (size_t i = 0; i < sizeof free_settings / sizeof *free_settings; i++)
 		if (config_setting_get_member(root, free_settings[i]))
 			config_setting_remove(root, free_settings[i]);
+	compare_drop_overlap(config_setting_get_member(root, "laws"), NULL);
+	compare_drop_overlap(config_setting_get_member(root, "materials"), "law");
 	config_setting_t *time = config_setting_get_member(root, "time");
 	if (time && config_setting_get_member(time, "end"))
 		config_setting_remove(time, "end");

@@ -176,14 +176,36 @@ static void write_members(const struct node *group, int depth, FILE *out)
 	}
 }
 
-static void write_elements(const struct node *list, int depth, char open, char close, FILE *out)
+static void write_elements(const struct node *list, int depth, FILE *out)
 {
-	fputc(open, out);
+	fputc('(', out);
 	for (int k = 0; k < list->n; k++) {
 		fputs(k ? ", " : "", out);
 		write_node(list->children[k], depth, out);
 	}
-	fputc(close, out);
+	fputc(')', out);
+}
+
+static bool is_long(const struct node *node) { return node->integer != (int)node->integer; }
+
+/* libconfig takes an array of one type only: an override may have put [1, 0.5] together. */
+static void write_array(const struct node *array, FILE *out)
+{
+	bool floats = false, longs = false;
+	for (int k = 0; k < array->n; k++) {
+		floats |= array->children[k]->type == NODE_NUMBER;
+		longs |= array->children[k]->type == NODE_INTEGER && is_long(array->children[k]);
+	}
+	fputc('[', out);
+	for (int k = 0; k < array->n; k++) {
+		const struct node *node = array->children[k];
+		fputs(k ? ", " : "", out);
+		if (node->type == NODE_INTEGER)
+			fprintf(out, "%lld%s", node->integer, floats ? ".0" : longs ? "L" : "");
+		else
+			write_node(node, 0, out);
+	}
+	fputc(']', out);
 }
 
 static void write_node(const struct node *node, int depth, FILE *out)
@@ -196,13 +218,13 @@ static void write_node(const struct node *node, int depth, FILE *out)
 		fputc('}', out);
 		break;
 	case NODE_LIST:
-		write_elements(node, depth, '(', ')', out);
+		write_elements(node, depth, out);
 		break;
 	case NODE_ARRAY:
-		write_elements(node, depth, '[', ']', out);
+		write_array(node, out);
 		break;
 	case NODE_INTEGER:
-		fprintf(out, "%lld%s", node->integer, node->integer != (int)node->integer ? "L" : "");
+		fprintf(out, "%lld%s", node->integer, is_long(node) ? "L" : "");
 		break;
 	case NODE_NUMBER:
 		write_number(node->number, out);

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "mpm/mpm.h"
 #include "scene/scene.h"
 
@@ -159,6 +160,28 @@ static inline double mean_position(const struct mpm *mpm, int c)
 	for (int k = 0; k < mpm->p.n; k++)
 		sum += mpm->p.mass[k] * mpm->p.x[k][c];
 	return sum / sum_mass(mpm);
+}
+
+/* ---- runs (after <cmocka.h>) ---- */
+
+static inline void ok(int status)
+{
+	if (status != STATUS_OK)
+		print_error("status %d: %s\n", status, error_message());
+	assert_int_equal(status, STATUS_OK);
+}
+
+static inline struct mpm *start(const struct scene *scene)
+{
+	struct mpm *mpm;
+	ok(mpm_create(&mpm, scene));
+	return mpm;
+}
+
+static inline void steps(struct mpm *mpm, int n)
+{
+	for (int k = 0; k < n; k++)
+		ok(mpm_step(mpm));
 }
 
 #endif

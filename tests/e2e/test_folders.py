@@ -63,7 +63,7 @@ def usage(f, cfg):
     for arguments, text in (
             ((), "which command"), (("fly",), "`fly` is no command"), (("run",), "which scene"),
             (("run", cfg, cfg), "is too much"), (("run", cfg, "--nonsense"), "--nonsense"), (("run", cfg, "--out"), "--out"),
-            (("run", cfg, "-x"), "-x"), (("run", cfg, "--set", "end"), "expected path=value"),
+            (("run", cfg, "-x"), "-x"), (("run", cfg, "--quiet=1"), "no argument is expected in `--quiet=1`"), (("run", cfg, "--set", "end"), "expected path=value"),
             (("run", cfg, "--set", "time.ende=1"), "time.ende"), (("run", cfg, "--set", "time.end=soon"), "time.end"),
             (("run", cfg, "--set", "walls.[7].friction=1"), "walls"),
             (("run", cfg, "--threads", "0"), "--threads 0"), (("run", cfg, "--threads", "two"), "--threads two"),
@@ -91,7 +91,19 @@ def other_commands(f, cfg):
     expect({law["name"] for law in info["laws"]} == {"thermoelastic", "rve"}, str(info["laws"]))
     for missing in [part for part in info["devices"] + info["sinks"] if not part["available"]]:
         expect(len(missing["install"]) > 10, "nothing says how to get %s" % missing["name"])
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run([TMDEMPM, "check", cfg], stdout=full, stderr=subprocess.PIPE, text=True, env=environment())
+    expect(done.returncode == 4 and "standard output" in done.stderr, "a full output: %d %s" % (done.returncode, done.stderr))
     expect("tmdempm run" in tmdempm("--help").stdout and "0." in tmdempm("--version").stdout, "help, version")
+
+
+def step_over_the_limit(f):
+    """Only the packing knows how stiff an RVE is: the step is refused all the same before anything is written."""
+    cfg = f.write("fast.cfg", COLUMN.replace("step = 1e-4", "step = 1e-2"))
+    for command in (("check", cfg), ("run", cfg, "--out", f("fast"))):
+        said = tmdempm(*command, code=2).stderr
+        expect(cfg + ": time.step: " in said and "above the limit" in said and "cure: " in said, said)
+    expect(not os.path.exists(f("fast")), "a refused run has written")
 
 
 def vtk_blocks(f):
@@ -130,3 +142,4 @@ with Folder() as f:
     other_commands(f, cfg)
     refusals(f, cfg)
     disk_full(f, cfg)
+    step_over_the_limit(f)

@@ -54,6 +54,7 @@ def killed(scene, kills, longest, seed):
             whole_files(out)
         expect(restarts > 0, "no checkpoint in %d runs" % kills)
         tmdempm("run", cfg, "--restart", os.path.join(out, "checkpoint.h5"))
+        expect(not [name for name in files_below(out) if name.endswith(".tmp")], "the killed left %s" % files_below(out))
         for name in files_below(f("whole")):
             if name not in SKIP:
                 same_file(f("whole", name), os.path.join(out, name), name)

@@ -59,6 +59,20 @@ def instruction_sets():
         compare(f("base"), f("v4"))
 
 
+def other_packing():
+    """States go on with the packing that they began with, or not at all."""
+    with Folder() as f:
+        pack = ("rve", "pack", "--discs", 64, "--pressure", "10e3", "--mu", 0.5, "--out", f("P.csv"), "--seed")
+        tmdempm(*pack, 3)
+        cfg = f.write("s.cfg", COLUMN.replace("discs = 64; pressure = 10e3; mu = 0.5; seed = 3;", 'file = "P.csv";'))
+        tmdempm("run", cfg, "--out", f("out"), "--until", 0.01)
+        tmdempm("run", cfg, "--restart", f("out", "checkpoint.h5"), "--until", 0.011)
+        os.remove(f("P.csv"))
+        tmdempm(*pack, 4)
+        said = tmdempm("run", cfg, "--restart", f("out", "checkpoint.h5"), "--until", 0.02, code=2).stderr
+        expect("other packings in law sand" in said, said)
+
+
 def refused():
     with Folder() as f:
         cfg = f.write("s.cfg", BLOCK)
@@ -85,4 +99,5 @@ continued(BLOCK + "output = { history_every = 0.0007; snapshot_every = 0.02; };"
 continued(COLUMN.replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), 0.03, 0.06)
 threads()
 instruction_sets()
+other_packing()
 refused()

@@ -29,6 +29,8 @@ def stopped(f, cfg, number, name):
     out = f(name)
     run = started(cfg, out)
     run.send_signal(number)
+    time.sleep(0.01)
+    run.send_signal(number)  # as timeout(1) does: one wish, said twice
     said = run.communicate(timeout=30)[1]
     expect(run.returncode == 130, "%s ends with %d" % (name, run.returncode))
     expect("interrupted at step" in said and "--restart" in said, said)
@@ -57,16 +59,25 @@ def saved(f, cfg):
 
 
 def guarded(f, cfg):
-    """The block flies sideways out of the grid."""
+    """The block flies sideways out of the grid: the state is kept, the last checkpoint too, and goes on with other guards."""
     out = f("guard")
-    said = tmdempm("run", cfg, "--out", out, "--set", "time.end=10", "--set", "gravity.[0]=50", "--set",
-                   "walls.[0].friction=0", code=3).stderr
+    scene = [cfg, "--set", "time.end=10", "--set", "gravity.[0]=50", "--set", "walls.[0].friction=0",
+             "--set", "output.checkpoint_every=0.05"]
+    said = tmdempm("run", *scene, "--out", out, code=3).stderr
     for word in ("step", "point", "grid"):
         expect(word in said, "`%s` is not in: %s" % (word, said))
-    expect(os.path.exists(os.path.join(out, "checkpoint.h5")), "no checkpoint")
+    checkpoint, at_guard = os.path.join(out, "checkpoint.h5"), os.path.join(out, "guard.h5")
+    expect(os.path.exists(checkpoint), "no checkpoint")
     with open(os.path.join(out, "run.json"), encoding="utf-8") as stream:
         report = json.load(stream)
-    expect(report["state"] == "guard" and "grid" in report["reason"], str(report))
+    expect(report["state"] == "guard" and "grid" in report["reason"] and "guard.h5" in report["files"], str(report))
+    said = tmdempm("run", *scene, "--restart", at_guard, code=2).stderr
+    expect("in the middle of a step" in said, said)
+    end = report["time"] + 0.001
+    free = ["--set", "guards.points_leaving=false", "--until", end]
+    tmdempm("run", *scene, "--restart", checkpoint, *free)
+    tmdempm("run", *scene, "--out", f("free"), *free)
+    same_file(checkpoint.replace("checkpoint.h5", "history.csv"), f("free", "history.csv"), "histories")
 
 
 with Folder() as f:

@@ -92,13 +92,25 @@ static void test_senseless_motion(void **arg)
 		int status = STATUS_OK;
 		for (int call = 0; call < 5 && status == STATUS_OK; call++)
 			status = case_try(&c, motions[k], 0.0, 1e-3);
-		assert_true(status == STATUS_OK || status == STATUS_GUARD);
-		if (k < 2)
-			assert_int_equal(status, STATUS_GUARD);
-		if (status == STATUS_OK)
-			assert_true(isfinite(c.stress[0] + c.stress[1] + c.stress[3]));
+		assert_int_equal(status, STATUS_GUARD);
+		assert_non_null(strstr(error_message(), k < 2 ? "not finite" : "in one step"));
 		case_end(&c);
 	}
+}
+
+/* Discs pushed into one another at one blow leave no list of neighbours, and no state to go on from. */
+static void test_crowded_cell(void **arg)
+{
+	(void)arg;
+	struct rve_params params;
+	struct rve_case c;
+	rve_params_default(&params);
+	case_start_loose(&c, &params, 100e3);
+	const double squeeze[4] = {-900.0, 0.0, 0.0, -900.0};
+	assert_int_equal(case_try(&c, squeeze, 0.0, 1e-3), STATUS_GUARD);
+	assert_non_null(strstr(error_message(), "more neighbours"));
+	assert_true(isnan(c.stress[0]));
+	case_end(&c);
 }
 
 /* The lowest failing member of a batch is named, whatever thread found it. */
@@ -131,6 +143,7 @@ int main(void)
 		cmocka_unit_test(test_critical_time_step),
 		cmocka_unit_test(test_overlap_guard),
 		cmocka_unit_test(test_senseless_motion),
+		cmocka_unit_test(test_crowded_cell),
 		cmocka_unit_test(test_failed_member_is_named),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -80,8 +81,8 @@ static int remove_folder(void **state)
 static void numbers_keep_their_bits(void **state)
 {
 	(void)state;
-	const double values[] = {0.1,  -1.0 / 3.0, 5e-324, 1.7976931348623157e308,
-							 -0.0, INFINITY,   NAN,    123456789012345678.0};
+	const double values[] = {0.1,      -1.0 / 3.0, 5e-324, 1.7976931348623157e308, -0.0,
+							 INFINITY, NAN,        -NAN,   123456789012345678.0};
 	enum { N = sizeof values / sizeof *values };
 	const char *path = in_folder("numbers.csv");
 	struct csv_writer *w;
@@ -102,6 +103,11 @@ static void numbers_keep_their_bits(void **state)
 	assert_int_equal(t->rows, 1);
 	assert_int_equal(t->lines[0], 3);
 	assert_string_equal(t->comments[0], " a line of its own");
+	char *text;
+	size_t size;
+	assert_int_equal(file_read(&text, &size, path), 0);
+	assert_non_null(strstr(text, ",nan,nan,")); /* one word for it, with either sign */
+	free(text);
 	for (int k = 0; k < N; k++)
 		assert_true(isnan(values[k]) ? isnan(t->values[k]) : memcmp(&values[k], &t->values[k], sizeof(double)) == 0);
 	csv_table_free(t);
@@ -296,6 +302,30 @@ static void paths_and_folders(void **state)
 	rmdir(in_folder("p/q"));
 }
 
+/* Temporary files of processes that are gone are swept away; ours, and what only looks like one, stay. */
+static void the_dead_leave_nothing(void **state)
+{
+	(void)state;
+	pid_t dead = fork();
+	if (dead == 0)
+		_exit(0);
+	waitpid(dead, NULL, 0);
+	char gone[64], ours[64];
+	snprintf(gone, sizeof gone, ".a.h5.%ld-3.tmp", (long)dead);
+	snprintf(ours, sizeof ours, ".a.h5.%ld-3.tmp", (long)getpid());
+	const char *const stays[] = {ours, "a.tmp", ".a.tmp", ".tmp", ".a.12-tmp"};
+	put(in_folder(gone), "x");
+	for (size_t k = 0; k < sizeof stays / sizeof *stays; k++)
+		put(in_folder(stays[k]), "x");
+	file_sweep(folder);
+	file_sweep("/nowhere");
+	assert_false(file_exists(in_folder(gone)));
+	for (size_t k = 0; k < sizeof stays / sizeof *stays; k++) {
+		assert_true(file_exists(in_folder(stays[k])));
+		unlink(in_folder(stays[k]));
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -306,6 +336,7 @@ int main(void)
 		cmocka_unit_test(rows_are_there_when_they_end_and_can_be_cut),
 		cmocka_unit_test(failures_leave_the_old_file),
 		cmocka_unit_test(paths_and_folders),
+		cmocka_unit_test(the_dead_leave_nothing),
 	};
 	return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -9,15 +9,7 @@
 
 #include "../common/elastic_scene.h"
 #include "../common/near.h"
-#include "base/error.h"
 #include "mpm/mpm.h"
-
-static void ok(int status)
-{
-	if (status != STATUS_OK)
-		print_error("status %d: %s\n", status, error_message());
-	assert_int_equal(status, STATUS_OK);
-}
 
 /* Two blocks that fly into each other, spinning a little: mass and momentum to round-off in every step. */
 static void test_mass_and_momentum(void **state)

@@ -9,18 +9,10 @@
 
 #include "../common/elastic_scene.h"
 #include "../common/near.h"
-#include "base/error.h"
 #include "mpm/mpm.h"
 #include "mpm/mpm_private.h"
 
 static const double H = 0.05;
-
-static void ok(int status)
-{
-	if (status != STATUS_OK)
-		print_error("status %d: %s\n", status, error_message());
-	assert_int_equal(status, STATUS_OK);
-}
 
 /* Contacts of the node at x, y; returns how many, the first in *first. */
 static int contacts_at(const struct mpm *mpm, double x, double y, int wall, struct wall_node found[8])

@@ -37,7 +37,25 @@ static void same_and_free_changes(void **unused)
 	accepts(before);
 	accepts("grid : { cell = 0.1; size = [ 1.0, 2.0 ]; }; time : { step = 1e-4; end = 3; }; title = \"longer\";\n"
 			"walls = ( { name = \"a\"; friction = 0.5; }, { name = \"b\"; } ); gravity = [ 0.0, -9.81 ];\n"
-			"images = ( { name = \"x\"; } ); inspect = ( );\n");
+			"images = ( { name = \"x\"; } ); inspect = ( ); guards : { points_leaving = false; };\n");
+}
+
+static void guards_are_free_wherever_they_stand(void **unused)
+{
+	(void)unused;
+	char what[512] = "";
+	static const char laws[] = "laws = ( { name = \"a\"; mu = 0.5; overlap_max = 0.2; }, { name = \"b\"; } );"
+							   "materials = ( { law = \"a\"; }, { law = { mu = 0.4; overlap_max = 0.1; }; } );";
+	if (!scene_compare(laws,
+					   "laws = ( { name = \"a\"; mu = 0.5; }, { name = \"b\"; overlap_max = 0.9; } );"
+					   "materials = ( { law = \"a\"; }, { law = { mu = 0.4; overlap_max = 0.9; }; } );",
+					   what, sizeof what))
+		fail_msg("refused: %s", what);
+	assert_false(scene_compare(laws,
+							   "laws = ( { name = \"a\"; mu = 0.5; }, { name = \"b\"; } );"
+							   "materials = ( { law = \"a\"; }, { law = { mu = 0.3; }; } );",
+							   what, sizeof what));
+	assert_non_null(strstr(what, "materials.[1].law.mu: 0.4 before, 0.3 now"));
 }
 
 static void other_changes_are_named(void **unused)
@@ -69,6 +87,7 @@ static void other_changes_are_named(void **unused)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {cmocka_unit_test(same_and_free_changes),
+									   cmocka_unit_test(guards_are_free_wherever_they_stand),
 									   cmocka_unit_test(other_changes_are_named)};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

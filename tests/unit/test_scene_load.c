@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "scene/compare.h"
 #include "scene/scene.h"
 
 /* ---- scenes in a folder of their own ---- */
@@ -220,17 +221,20 @@ static void text_says_the_same(void **state)
 	(void)state;
 	put("packing.csv", "# H 1 0 0 1\nid,x,y,r\n0,0,0,0.1\n");
 	put("small.cfg", small);
-	const char *v =
-		put("v.cfg", "base = \"small.cfg\"; title = \"a \\\"b\\\" \\\\ \xc3\xa4\";\n"
-					 "set = (\"grid.thickness=0.1234567890123456789\", \"materials.[0].density=3000000000\",\n"
-					 "\"materials.[1]={name=\\\"n\\\"; heat_capacity=1; law={type=\\\"rve\\\"; "
-					 "packing={file=\\\"packing.csv\\\";};};}\");");
+	const char *v = put("v.cfg", "base = \"small.cfg\"; title = \"a \\\"b\\\" \\\\ \xc3\xa4\";\n"
+								 "set = (\"gravity=[0.0, -9.8]\", \"gravity.[0]=3\", "
+								 "\"grid.thickness=0.1234567890123456789\", \"materials.[0].density=3000000000\",\n"
+								 "\"materials.[1]={name=\\\"n\\\"; heat_capacity=1; law={type=\\\"rve\\\"; "
+								 "packing={file=\\\"packing.csv\\\";};};}\");");
 	struct scene *a = load(v, 0, NULL);
 	char *text = strdup(a->text), away[128];
 	snprintf(away, sizeof away, "%s/packing.csv", folder);
 	assert_string_equal(a->laws[1].rve.packing.file, away);
 	struct scene *b = load(put("parts/again.cfg", text), 0, NULL);
 	assert_string_equal(text, b->text);
+	char what[256];
+	assert_int_equal(scene_compare(text, text, what, sizeof what), 1); /* libconfig itself can read it */
+	assert_true(b->gravity[0] == 3.0 && b->gravity[1] == -9.8);
 	assert_string_equal(a->title, b->title);
 	assert_true(a->grid.thickness == b->grid.thickness && a->materials[0].density == b->materials[0].density);
 	assert_string_equal(b->laws[1].rve.packing.file, away);

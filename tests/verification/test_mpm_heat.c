@@ -9,28 +9,7 @@
 
 #include "../common/elastic_scene.h"
 #include "../common/near.h"
-#include "base/error.h"
 #include "mpm/mpm.h"
-
-static void ok(int status)
-{
-	if (status != STATUS_OK)
-		print_error("status %d: %s\n", status, error_message());
-	assert_int_equal(status, STATUS_OK);
-}
-
-static struct mpm *start(const struct scene *scene)
-{
-	struct mpm *mpm;
-	ok(mpm_create(&mpm, scene));
-	return mpm;
-}
-
-static void steps(struct mpm *mpm, int n)
-{
-	for (int k = 0; k < n; k++)
-		ok(mpm_step(mpm));
-}
 
 /* Rod with T = 0 at one end and dT at the other: T/dT = x/L + (2/pi) sum ((-1)^n/n) exp(-n^2 pi^2 a t/L^2) sin(n pi
  * x/L). */

@@ -266,6 +266,10 @@ static void test_sub_steps_follow_the_strain(void **arg)
 	assert_int_equal(case_info(&c).sub_steps, params.n_max);
 	assert_int_equal(case_info(&c).clamped, 1);
 	case_end(&c);
+	case_start_loose(&c, &params, 100e3); /* discs that grow strain their contacts as a motion would */
+	case_advance(&c, rest, 4.9, 1e-3, 1);
+	assert_in_range(case_info(&c).sub_steps, 10, 11);
+	case_end(&c);
 	case_start_loose(&c, &params, 10e3); /* at a tenth of the pressure steps are smaller by its root */
 	case_advance(&c, L, 0.0, 1.5e-4, 1);
 	assert_in_range(case_info(&c).sub_steps, 9, 11);
