@@ -24,8 +24,15 @@ static int shear(const struct rve_model *model, unsigned char *state, double str
 	const double dt = 1e-3;
 	double stress[1][4], heat[1], conductivity[1][3], modulus[1], dT[1] = {0};
 	const double L[1][4] = {{0.0, 2.0 * strain_per_call / dt, 0.0, 0.0}}; /* twice its largest principal rate */
-	struct rve_batch batch = {.n = 1, .states = state, .L = L, .dT = dT, .dt = dt, .stress = stress,
-	                          .heat = heat, .conductivity = conductivity, .modulus = modulus};
+	struct rve_batch batch = {.n = 1,
+							  .states = state,
+							  .L = L,
+							  .dT = dT,
+							  .dt = dt,
+							  .stress = stress,
+							  .heat = heat,
+							  .conductivity = conductivity,
+							  .modulus = modulus};
 	struct rve_info before, after;
 	rve_get_info(model, state, &before);
 	double start = thread_seconds();
@@ -37,8 +44,8 @@ static int shear(const struct rve_model *model, unsigned char *state, double str
 	return STATUS_OK;
 }
 
-/* One case: `strain_per_step` decides how violent it is; the default rebuilds its list about every 40 sub-steps, 2e-4 (the
- * economy setting) about every 15. */
+/* One case: `strain_per_step` decides how violent it is; the default rebuilds its list about every 40 sub-steps, 2e-4
+ * (the economy setting) about every 15. */
 static int bench_case(bool json, const char *name, const struct rve_packing *packing, double strain_per_step)
 {
 	struct rve_params params;
@@ -66,8 +73,13 @@ int bench_rve(bool json)
 {
 	struct rve_params params;
 	rve_params_default(&params);
-	const struct rve_packing_params how = {.discs = DISCS, .radius_min = 0.25e-3, .radius_max = 0.5e-3, .pressure = 100e3,
-	                                       .mu = 0.5, .void_ratio = NAN, .seed = 1};
+	const struct rve_packing_params how = {.discs = DISCS,
+										   .radius_min = 0.25e-3,
+										   .radius_max = 0.5e-3,
+										   .pressure = 100e3,
+										   .mu = 0.5,
+										   .void_ratio = NAN,
+										   .seed = 1};
 	struct rve_packing *packing;
 	CHECK(rve_packing_cached(&packing, &how, &params));
 	bench_header(json, 1);

@@ -24,8 +24,9 @@ static void inspect_disc(const struct rve_model *model, const unsigned char *sta
 	const double *H = head->H;
 	disc->x = H[0] * x + H[1] * y;
 	disc->y = H[2] * x + H[3] * y;
-	disc->radius = model->variants[head->variant].table[TABLE_R * layout->stride + ((const index16 *)(state + layout->id))[row]] *
-				   (1.0 + model->params.expansion * head->temperature);
+	disc->radius =
+		model->variants[head->variant].table[TABLE_R * layout->stride + ((const index16 *)(state + layout->id))[row]] *
+		(1.0 + model->params.expansion * head->temperature);
 	disc->displacement[0] = (double)t[DISC32_UX * layout->stride] + H[0] * qx + H[1] * qy;
 	disc->displacement[1] = (double)t[DISC32_UY * layout->stride] + H[2] * qx + H[3] * qy;
 	disc->rotation = (double)t[DISC32_ROTATION * layout->stride];
@@ -33,7 +34,8 @@ static void inspect_disc(const struct rve_model *model, const unsigned char *sta
 }
 
 /* Fills a contact between the discs of slot p and the row that owns it; 0 if they do not touch. */
-static int inspect_contact(const struct rve_model *model, const unsigned char *state, int i, int p, struct rve_contact *contact)
+static int inspect_contact(const struct rve_model *model, const unsigned char *state, int i, int p,
+						   struct rve_contact *contact)
 {
 	const struct rve_layout *layout = &model->layout;
 	const struct rve_head *head = (const struct rve_head *)state;
@@ -66,12 +68,14 @@ static int inspect_contact(const struct rve_model *model, const unsigned char *s
 	contact->normal_force = normal;
 	contact->tangential_force = tangential;
 	contact->mobilisation = cap > 0.0 ? fmin(1.0, fabs(tangential) / cap) : 0.0;
-	contact->sliding = cap > 0.0 && fabs(tangential) >= cap * (1.0 - 1e-6); /* the dashpot's part is kept in single precision */
+	contact->sliding =
+		cap > 0.0 && fabs(tangential) >= cap * (1.0 - 1e-6); /* the dashpot's part is kept in single precision */
 	contact->bond = 0;
 	return 1;
 }
 
-int rve_inspect(const struct rve_model *model, const void *state, struct rve_disc *discs, struct rve_contact *contacts, int capacity)
+int rve_inspect(const struct rve_model *model, const void *state, struct rve_disc *discs, struct rve_contact *contacts,
+				int capacity)
 {
 	const unsigned char *bytes = state;
 	const struct rve_head *head = state;

@@ -22,24 +22,67 @@
 
 enum {
 	/* sums over all sub-steps of the call */
-	LANE_WORK, LANE_EXPANSION, LANE_FRICTION, LANE_DASHPOT, LANE_KINETIC_WORK,
+	LANE_WORK,
+	LANE_EXPANSION,
+	LANE_FRICTION,
+	LANE_DASHPOT,
+	LANE_KINETIC_WORK,
 	/* of the last configuration */
-	LANE_CALL_FIELDS, LANE_SXX = LANE_CALL_FIELDS, LANE_SYY, LANE_SXY, LANE_LXX, LANE_LYY, LANE_LXY,
-	LANE_N40, LANE_N04, LANE_N22, LANE_N31, LANE_N13, LANE_OVERLAP_FORCE, LANE_ELASTIC,
-	LANE_CONTACTS, LANE_SLIDING, LANE_FORCE, LANE_VXX, LANE_VYY, LANE_VXY, LANE_KINETIC, LANE_UNBALANCED,
+	LANE_CALL_FIELDS,
+	LANE_SXX = LANE_CALL_FIELDS,
+	LANE_SYY,
+	LANE_SXY,
+	LANE_LXX,
+	LANE_LYY,
+	LANE_LXY,
+	LANE_N40,
+	LANE_N04,
+	LANE_N22,
+	LANE_N31,
+	LANE_N13,
+	LANE_OVERLAP_FORCE,
+	LANE_ELASTIC,
+	LANE_CONTACTS,
+	LANE_SLIDING,
+	LANE_FORCE,
+	LANE_VXX,
+	LANE_VYY,
+	LANE_VXY,
+	LANE_KINETIC,
+	LANE_UNBALANCED,
 	LANE_SUMS,
-	LANE_OVERLAP = LANE_SUMS, LANE_DISPLACEMENT, LANE_SECOND, /* largest, not summed */
+	LANE_OVERLAP = LANE_SUMS,
+	LANE_DISPLACEMENT,
+	LANE_SECOND, /* largest, not summed */
 	LANE_FIELDS
 };
 
 /* Scratch arrays: over rows, over slots (where contact forces are left for j), whole numbers. */
 enum {
-	WORK_SX, WORK_SY, WORK_VX, WORK_VY, WORK_W, WORK_ROTATION, WORK_FX, WORK_FY, WORK_TORQUE,
-	WORK_R, WORK_MASS, WORK_DT_MASS, WORK_DT_INERTIA, WORK_ROW_FIELDS
+	WORK_SX,
+	WORK_SY,
+	WORK_VX,
+	WORK_VY,
+	WORK_W,
+	WORK_ROTATION,
+	WORK_FX,
+	WORK_FY,
+	WORK_TORQUE,
+	WORK_R,
+	WORK_MASS,
+	WORK_DT_MASS,
+	WORK_DT_INERTIA,
+	WORK_ROW_FIELDS
 };
 enum { WORK_FT, WORK_PX, WORK_PY, WORK_TJ, WORK_PAIR_FIELDS };
 enum { WORK_J, WORK_J_OLD, WORK_PAIR_INDICES };
-enum { WORK_ID, WORK_CELL, WORK_SORTED, WORK_DEGREE, WORK_ROW_INDICES, };
+enum {
+	WORK_ID,
+	WORK_CELL,
+	WORK_SORTED,
+	WORK_DEGREE,
+	WORK_ROW_INDICES,
+};
 enum { ID_ROW, ID_ROW_OLD, ID_OWNED, ID_OTHERS, ID_INDICES }; /* over discs in the packing's order */
 enum { RIM_X, RIM_Y, RIM_R, RIM_FIELDS }; /* neighbour search: discs and their images around the cell, at most 4 n */
 
@@ -67,22 +110,22 @@ struct rve_place {
 	LOCAL index16 *neighbours; /* layout->levels + 1 for each disc */
 };
 
-#define WORK_ROW(f) (at->row + (f) * at->layout->stride)
-#define WORK_PAIR(f) (at->pair + (f) * at->layout->pair_stride)
-#define WORK_PAIR_INDEX(f) (at->pair_index + (f) * at->layout->pair_stride)
-#define WORK_ROW_INDEX(f) (at->row_index + (f) * at->layout->stride)
-#define WORK_ID_INDEX(f) (at->id_index + (f) * at->layout->stride)
-#define WORK_ENTRY(level) (at->entry + (level) * at->layout->stride)
-#define TABLE(f) (at->table + (f) * at->layout->stride)
-#define STATE_DISC(f) ((GLOBAL real *)(at->state + at->layout->disc) + (f) * at->layout->stride)
-#define STATE_DISC32(f) ((GLOBAL real32 *)(at->state + at->layout->disc32) + (f) * at->layout->stride)
+#define WORK_ROW(f) (at->row + (f)*at->layout->stride)
+#define WORK_PAIR(f) (at->pair + (f)*at->layout->pair_stride)
+#define WORK_PAIR_INDEX(f) (at->pair_index + (f)*at->layout->pair_stride)
+#define WORK_ROW_INDEX(f) (at->row_index + (f)*at->layout->stride)
+#define WORK_ID_INDEX(f) (at->id_index + (f)*at->layout->stride)
+#define WORK_ENTRY(level) (at->entry + (level)*at->layout->stride)
+#define TABLE(f) (at->table + (f)*at->layout->stride)
+#define STATE_DISC(f) ((GLOBAL real *)(at->state + at->layout->disc) + (f)*at->layout->stride)
+#define STATE_DISC32(f) ((GLOBAL real32 *)(at->state + at->layout->disc32) + (f)*at->layout->stride)
 #define STATE_FT ((GLOBAL real *)(at->state + at->layout->ft))
 #define STATE_FD ((GLOBAL real32 *)(at->state + at->layout->fd))
 #define STATE_DAMPING ((GLOBAL real32 *)(at->state + at->layout->damping))
 #define STATE_J ((GLOBAL index16 *)(at->state + at->layout->pair_j))
 #define STATE_ID ((GLOBAL index16 *)(at->state + at->layout->id))
 #define STATE_FLAG (at->state + at->layout->flag)
-#define STATE_ENTRY(level) ((GLOBAL index16 *)(at->state + at->layout->entry) + (level) * at->layout->stride)
+#define STATE_ENTRY(level) ((GLOBAL index16 *)(at->state + at->layout->entry) + (level)*at->layout->stride)
 
 #include "rve/kernel_cell.h"
 #include "rve/kernel_neighbours.h"
@@ -91,7 +134,8 @@ struct rve_place {
 BLOCKFN void state_load(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		block->head = *(GLOBAL const struct rve_head *)at->state;
 		block->status = KERNEL_OK;
 		block->scale = 1.0 + at->constants->expansion * block->head.temperature;
@@ -135,8 +179,9 @@ BLOCKFN void state_store(const struct rve_place *at)
 }
 
 /* One RVE, call->sub_steps sub-steps.  `scratch` is layout->scratch bytes, 64-byte aligned. */
-KERNEL(rve_kernel)(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
-                   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
+KERNEL(rve_kernel)
+(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
+ GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
 {
 	struct rve_place place = {.layout = layout, .constants = constants, .call = call, .table = table, .state = state};
 	const struct rve_place *at = &place;
@@ -185,7 +230,8 @@ static inline int kernel_scratch_bytes(const struct rve_layout *layout)
 	const long row = layout->stride, pair = layout->pair_stride, grid = layout->grid, keys = layout->levels + 1;
 	long bytes = (long)sizeof(struct rve_block);
 	bytes += (long)sizeof(real) * (WORK_ROW_FIELDS * row + WORK_PAIR_FIELDS * pair + RIM_FIELDS * 4 * row);
-	bytes += (long)sizeof(int) * (WORK_PAIR_INDICES * pair + (WORK_ROW_INDICES + ID_INDICES + layout->levels + 4) * row);
+	bytes +=
+		(long)sizeof(int) * (WORK_PAIR_INDICES * pair + (WORK_ROW_INDICES + ID_INDICES + layout->levels + 4) * row);
 	bytes += (long)sizeof(int) * (grid * grid + 1 + (grid + 2) * (grid + 2) + 1 + keys * keys + 1);
 	bytes += (long)sizeof(index16) * (layout->levels + 1) * layout->n;
 	return (int)((bytes + 63) / 64 * 64);

@@ -48,7 +48,8 @@ BLOCKFN void neighbours_rebase(const struct rve_place *at)
 		sx[i] = x < 0.0 ? x + 1.0 : x;
 		sy[i] = y < 0.0 ? y + 1.0 : y;
 	}
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		for (int k = 0; k < 4; k++)
 			block->head.H[k] = block->head.H_ref[k] = H[k];
 		cell_invert(block->head.H, block->H_inv);
@@ -82,7 +83,8 @@ BLOCKFN void neighbours_sort(const struct rve_place *at)
 	const int columns = nx + 2, rows = ny + 2;
 	FOR_THREADS(i, at->layout->n) cell[i] = clamp_cell(sy[i] * ny, 0, ny - 1) * nx + clamp_cell(sx[i] * nx, 0, nx - 1);
 	SYNC();
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		for (int c = 0; c <= nx * ny; c++)
 			start[c] = 0;
 		for (int i = 0; i < at->layout->n; i++)
@@ -169,7 +171,8 @@ BLOCKFN void history_keep(const struct rve_place *at)
 		old_flag[p] = (real)STATE_FLAG[p];
 	}
 	FOR_THREADS(i, at->layout->n) old_row[id[i]] = i;
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		block->levels_old = block->head.levels;
 		for (int level = 0; level < RVE_LEVELS_MAX; level++) {
 			block->level_rows_old[level] = block->head.level_rows[level];
@@ -179,15 +182,16 @@ BLOCKFN void history_keep(const struct rve_place *at)
 	SYNC();
 }
 
-/* New rows: by how many pairs a disc owns, the most first, then by how many others it has, the fewest first (who owns many
- * has few others, so that the levels of entries have few holes).  Sizes of the levels. */
+/* New rows: by how many pairs a disc owns, the most first, then by how many others it has, the fewest first (who owns
+ * many has few others, so that the levels of entries have few holes).  Sizes of the levels. */
 BLOCKFN void rows_sort(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	LOCAL const int *owned = WORK_ID_INDEX(ID_OWNED), *others = WORK_ID_INDEX(ID_OTHERS);
 	LOCAL int *row = WORK_ID_INDEX(ID_ROW), *id = WORK_ROW_INDEX(WORK_ID), *start = at->key_start;
 	const int n = at->layout->n, capacity = at->layout->levels, keys = (capacity + 1) * (capacity + 1);
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		int most = 0;
 		for (int k = 0; k <= keys; k++)
 			start[k] = 0;
@@ -272,7 +276,8 @@ BLOCKFN void rows_move(const struct rve_place *at)
 BLOCKFN void pairs_write(const struct rve_place *at, int level)
 {
 	SHARED const struct rve_block *block = at->block;
-	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *new_row = WORK_ID_INDEX(ID_ROW), *old_row = WORK_ID_INDEX(ID_ROW_OLD);
+	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *new_row = WORK_ID_INDEX(ID_ROW),
+					*old_row = WORK_ID_INDEX(ID_ROW_OLD);
 	LOCAL const int *old_j = WORK_PAIR_INDEX(WORK_J_OLD);
 	LOCAL const real *mass = WORK_ROW(WORK_MASS);
 	const int first = block->head.level_first[level], rows = block->head.level_rows[level];
@@ -312,7 +317,8 @@ BLOCKFN void entries_write(const struct rve_place *at)
 	const int n = at->layout->n, stride = at->layout->stride;
 	FOR_THREADS(i, n) degree[i] = 0;
 	SYNC();
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		for (int level = 0; level < block->head.levels; level++)
 			for (int i = 0; i < block->head.level_rows[level]; i++) {
 				const int p = block->head.level_first[level] + i, j = pair_j[p];
@@ -345,7 +351,8 @@ BLOCKFN void entries_write(const struct rve_place *at)
 /* The slot that holds no force, for discs with fewer entries than others. */
 BLOCKFN void slots_clear(const struct rve_place *at)
 {
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		WORK_PAIR(WORK_PX)[at->layout->pairs] = 0.0;
 		WORK_PAIR(WORK_PY)[at->layout->pairs] = 0.0;
 		WORK_PAIR(WORK_TJ)[at->layout->pairs] = 0.0;

@@ -9,7 +9,8 @@ BLOCKFN void move(const struct rve_place *at)
 	const real gxx = block->H_inv[0] * dt, gxy = block->H_inv[1] * dt;
 	const real gyx = block->H_inv[2] * dt, gyy = block->H_inv[3] * dt;
 	SYNC();
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		SHARED real *H = block->head.H;
 		const real *A = call->A;
 		real xx = A[0] * H[0] + A[1] * H[2], xy = A[0] * H[1] + A[1] * H[3];
@@ -74,7 +75,8 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 	GLOBAL const real32 *damping = STATE_DAMPING + first;
 	GLOBAL real32 *dashpot_force = STATE_FD + first;
 	LOCAL real *tangential = WORK_PAIR(WORK_FT) + first;
-	LOCAL real *slot_x = WORK_PAIR(WORK_PX) + first, *slot_y = WORK_PAIR(WORK_PY) + first, *slot_t = WORK_PAIR(WORK_TJ) + first;
+	LOCAL real *slot_x = WORK_PAIR(WORK_PX) + first, *slot_y = WORK_PAIR(WORK_PY) + first,
+			   *slot_t = WORK_PAIR(WORK_TJ) + first;
 	SHARED real(*sum)[LANES] = block->lanes;
 
 	for (int base = 0; base < rows; base += LANES) {
@@ -87,7 +89,8 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 			ax -= real_nearest(ax);
 			ay -= real_nearest(ay);
 			real bx = hxx * ax + hxy * ay, by = hyx * ax + hyy * ay;
-			real length = real_sqrt(real_max(bx * bx + by * by, 1e-60)), inverse = 1.0 / length; /* the ghost may coincide */
+			real length = real_sqrt(real_max(bx * bx + by * by, 1e-60)),
+				 inverse = 1.0 / length; /* the ghost may coincide */
 			real nx = bx * inverse, ny = by * inverse;
 			real ri = radius[i] * scale, rj = radius[j] * scale;
 			real overlap = ri + rj - length, half = 0.5 * overlap;
@@ -223,7 +226,8 @@ BLOCKFN void lanes_sum(SHARED struct rve_block *block)
 		for (int q = 0; q < LANE_SUMS; q++)
 			FOR_THREADS(lane, width) block->lanes[q][lane] += block->lanes[q][lane + width];
 		FOR_THREADS(lane, width)
-		block->lanes[LANE_OVERLAP][lane] = real_max(block->lanes[LANE_OVERLAP][lane + width], block->lanes[LANE_OVERLAP][lane]);
+		block->lanes[LANE_OVERLAP][lane] =
+			real_max(block->lanes[LANE_OVERLAP][lane + width], block->lanes[LANE_OVERLAP][lane]);
 		SYNC();
 	}
 }
@@ -244,7 +248,8 @@ BLOCKFN void homogenise(const struct rve_place *at)
 	SHARED struct rve_block *block = at->block;
 	discs_measure(at);
 	lanes_sum(block);
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		SHARED struct rve_head *head = &block->head;
 		const struct rve_constants *c = at->constants;
 		const real *D = at->call->D;
@@ -287,8 +292,8 @@ BLOCKFN void homogenise(const struct rve_place *at)
 		head->sliding = total[LANE_SLIDING];
 		head->max_overlap = total[LANE_OVERLAP];
 		head->unbalanced = total[LANE_FORCE] > 0.0
-		                       ? total[LANE_UNBALANCED] / at->layout->n * total[LANE_CONTACTS] / total[LANE_FORCE]
-		                       : 0.0;
+							   ? total[LANE_UNBALANCED] / at->layout->n * total[LANE_CONTACTS] / total[LANE_FORCE]
+							   : 0.0;
 		head->total_sub_steps += at->call->sub_steps;
 		head->sub_steps = at->call->sub_steps;
 	}

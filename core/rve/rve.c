@@ -15,10 +15,23 @@ static const double pi = 3.14159265358979323846;
 
 void rve_params_default(struct rve_params *params)
 {
-	*params = (struct rve_params){
-	    .kn = 1e6, .ks = 1e6, .mu = 0.5, .damping_ratio = 0.2, .grain_density = 2650.0, .thickness = 0.075,
-	    .expansion = 1e-4, .resistance = 1e4, .step_factor = 0.4, .strain_per_step = 5e-5, .pressure_scaling = 1,
-	    .n_max = 20, .skin = 0.2, .gas = 1, .gas_pressure = 20.0, .gas_stretch = 1.12, .overlap_max = 0.3};
+	*params = (struct rve_params){.kn = 1e6,
+								  .ks = 1e6,
+								  .mu = 0.5,
+								  .damping_ratio = 0.2,
+								  .grain_density = 2650.0,
+								  .thickness = 0.075,
+								  .expansion = 1e-4,
+								  .resistance = 1e4,
+								  .step_factor = 0.4,
+								  .strain_per_step = 5e-5,
+								  .pressure_scaling = 1,
+								  .n_max = 20,
+								  .skin = 0.2,
+								  .gas = 1,
+								  .gas_pressure = 20.0,
+								  .gas_stretch = 1.12,
+								  .overlap_max = 0.3};
 }
 
 /* ---- the model ---- */
@@ -40,7 +53,8 @@ static int layout_make(struct rve_layout *layout, int n, double skin, double r_m
 	layout->pair_stride = (layout->pairs + 1 + 7) / 8 * 8;
 	layout->grid = (int)sqrt((double)n);
 	if (layout->pair_stride > UINT16_MAX)
-		return error_set(STATUS_INPUT, "an RVE of %d discs: too many, at most %d", n, (int)((long)n * UINT16_MAX / layout->pair_stride));
+		return error_set(STATUS_INPUT, "an RVE of %d discs: too many, at most %d", n,
+						 (int)((long)n * UINT16_MAX / layout->pair_stride));
 	if (layout->levels > RVE_LEVELS_MAX)
 		return error_set(STATUS_INPUT, "radii from %g to %g m: the ratio is too wide, at most about 9", r_min, r_max);
 	int end = sizeof(struct rve_head);
@@ -70,14 +84,16 @@ static int variant_tables(const struct rve_model *model, struct rve_variant *var
 	memset(variant->start, 0, (size_t)layout->bytes);
 	variant->solid_area = 0.0;
 	for (int i = 0; i < layout->n; i++) {
-		double r = packing->r[i], area = pi * r * r, mass = model->params.grain_density * area * model->params.thickness;
+		double r = packing->r[i], area = pi * r * r,
+			   mass = model->params.grain_density * area * model->params.thickness;
 		variant->solid_area += area;
 		variant->table[TABLE_R * layout->stride + i] = r;
 		variant->table[TABLE_MASS * layout->stride + i] = mass;
 		variant->table[TABLE_DT_MASS * layout->stride + i] = model->constants.dt / mass;
 		variant->table[TABLE_DT_INERTIA * layout->stride + i] = model->constants.dt / (0.5 * mass * r * r);
 	}
-	for (int i = layout->n; i < layout->stride; i++) { /* the ghost: so small that it touches nothing, and does not move */
+	for (int i = layout->n; i < layout->stride;
+		 i++) { /* the ghost: so small that it touches nothing, and does not move */
 		variant->table[TABLE_R * layout->stride + i] = -1e6;
 		variant->table[TABLE_MASS * layout->stride + i] = 1.0;
 	}
@@ -94,16 +110,19 @@ static real *state_discs(const struct rve_layout *layout, const void *state, int
 }
 
 /* Tangential forces of a packing's contacts, put where the state's pairs are; the same seen from either disc. */
-static void variant_forces(const struct rve_layout *layout, struct rve_variant *variant, const struct rve_packing *packing)
+static void variant_forces(const struct rve_layout *layout, struct rve_variant *variant,
+						   const struct rve_packing *packing)
 {
 	const struct rve_head *head = head_of(variant->start);
-	const index16 *pair_j = (const index16 *)(variant->start + layout->pair_j), *id = (const index16 *)(variant->start + layout->id);
+	const index16 *pair_j = (const index16 *)(variant->start + layout->pair_j),
+				  *id = (const index16 *)(variant->start + layout->id);
 	real *ft = (real *)(variant->start + layout->ft);
 	for (int level = 0; level < head->levels; level++)
 		for (int row = 0; row < head->level_rows[level]; row++) {
 			int p = head->level_first[level] + row, a = id[row], b = id[pair_j[p]];
 			for (int c = 0; c < packing->n_contacts; c++)
-				if ((packing->pair[c][0] == a && packing->pair[c][1] == b) || (packing->pair[c][0] == b && packing->pair[c][1] == a))
+				if ((packing->pair[c][0] == a && packing->pair[c][1] == b) ||
+					(packing->pair[c][0] == b && packing->pair[c][1] == a))
 					ft[p] = packing->ft[c];
 		}
 }
@@ -130,8 +149,10 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	unsigned char *scratch = rve_scratch(model, 0);
 	int status = rve_sub_steps(model, variant->start, scratch, rest, 0.0, 0.0, 0, 1);
 	if (status == KERNEL_SLENDER)
-		return error_set(STATUS_INPUT, "the packing's cell is narrower than twice a disc's reach (%g m): more discs, "
-		                 "closer radii or a smaller skin", 4.0 * model->constants.r_max + 2.0 * model->constants.skin);
+		return error_set(STATUS_INPUT,
+						 "the packing's cell is narrower than twice a disc's reach (%g m): more discs, "
+						 "closer radii or a smaller skin",
+						 4.0 * model->constants.r_max + 2.0 * model->constants.skin);
 	if (status != KERNEL_OK)
 		return error_set(STATUS_INPUT, "the packing's discs overlap too much to be neighbours");
 	variant_forces(layout, variant, packing);
@@ -141,13 +162,14 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	return STATUS_OK;
 }
 
-static int model_fill(struct rve_model *model, const struct rve_params *params, int n, const struct rve_packing *const *packings)
+static int model_fill(struct rve_model *model, const struct rve_params *params, int n,
+					  const struct rve_packing *const *packings)
 {
 	double r_min = INFINITY, r_max = 0.0, r_sum = 0.0;
 	for (int v = 0; v < n; v++) {
 		if (packings[v]->n_discs != packings[0]->n_discs)
 			return error_set(STATUS_INPUT, "packings of %d and %d discs in one law: variants need equal numbers",
-			                 packings[0]->n_discs, packings[v]->n_discs);
+							 packings[0]->n_discs, packings[v]->n_discs);
 		for (int i = 0; i < packings[v]->n_discs; i++) {
 			r_min = fmin(r_min, packings[v]->r[i]);
 			r_max = fmax(r_max, packings[v]->r[i]);
@@ -158,10 +180,16 @@ static int model_fill(struct rve_model *model, const struct rve_params *params, 
 	double mass_min = params->grain_density * params->thickness * pi * r_min * r_min;
 	double dt = params->step_factor * sqrt(mass_min / params->kn);
 	model->diameter = 2.0 * r_sum / ((double)n * discs);
-	model->constants = (struct rve_constants){
-	    .kn = params->kn, .ks = params->ks, .mu = params->mu, .expansion = params->expansion,
-	    .resistance = params->resistance, .thickness = params->thickness, .dt = dt, .r_max = r_max,
-	    .skin = params->skin * r_max, .damping = 2.0 * params->damping_ratio * sqrt(params->kn) / dt};
+	model->constants = (struct rve_constants){.kn = params->kn,
+											  .ks = params->ks,
+											  .mu = params->mu,
+											  .expansion = params->expansion,
+											  .resistance = params->resistance,
+											  .thickness = params->thickness,
+											  .dt = dt,
+											  .r_max = r_max,
+											  .skin = params->skin * r_max,
+											  .damping = 2.0 * params->damping_ratio * sqrt(params->kn) / dt};
 	CHECK(layout_make(&model->layout, discs, params->skin, r_min, r_max));
 	model->scratch_stride = (size_t)(model->layout.scratch + model->layout.bytes);
 	model->scratch = aligned_alloc(64, model->scratch_stride * (size_t)model->n_threads);
@@ -176,7 +204,8 @@ static int model_fill(struct rve_model *model, const struct rve_params *params, 
 	return STATUS_OK;
 }
 
-int rve_model_create(struct rve_model **model, const struct rve_params *params, int n, const struct rve_packing *const *packings)
+int rve_model_create(struct rve_model **model, const struct rve_params *params, int n,
+					 const struct rve_packing *const *packings)
 {
 	*model = calloc(1, sizeof **model);
 	if (!*model)
@@ -231,8 +260,8 @@ int rve_init(const struct rve_model *model, int variant, void *state)
 
 /* ---- one RVE through one call ---- */
 
-enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4],
-                                     double dT, double duration, int sub_steps, int rebuild)
+enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,
+									 const double L[4], double dT, double duration, int sub_steps, int rebuild)
 {
 	struct rve_call call = {.sub_steps = sub_steps, .rebuild = rebuild};
 	double h = sub_steps > 0 ? duration / sub_steps : 0.0;
@@ -244,7 +273,8 @@ enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state,
 	call.B[0] -= call.D[0], call.B[1] -= call.D[2], call.B[2] -= call.D[2], call.B[3] -= call.D[1];
 	call.heating = sub_steps > 0 ? dT / sub_steps : 0.0;
 	int status = KERNEL_OK;
-	model->kernel(&model->layout, &model->constants, &call, model->variants[head_of(state)->variant].table, state, scratch, &status);
+	model->kernel(&model->layout, &model->constants, &call, model->variants[head_of(state)->variant].table, state,
+				  scratch, &status);
 	return (enum rve_kernel_status)status;
 }
 
@@ -255,7 +285,10 @@ struct rve_outcome {
 
 static double pressure_of(const struct rve_head *head) { return -0.5 * (head->stress[0] + head->stress[1]); }
 
-static double stored_energy(const struct rve_head *head) { return head->ledger[LEDGER_ELASTIC] + head->ledger[LEDGER_KINETIC]; }
+static double stored_energy(const struct rve_head *head)
+{
+	return head->ledger[LEDGER_ELASTIC] + head->ledger[LEDGER_KINETIC];
+}
 
 static double principal_rate(const double L[4])
 {
@@ -279,10 +312,12 @@ static int choose_sub_steps(const struct rve_params *params, struct rve_head *he
 
 static void count_inertia(const struct rve_model *model, struct rve_head *head, double strain_per_step)
 {
-	static const double bounds[RVE_INERTIA_BINS - 1] = {1e-6, 3.1622776601683795e-6, 1e-5, 3.1622776601683795e-5, 1e-4,
-	    3.1622776601683795e-4, 1e-3, 3.1622776601683795e-3, 1e-2, 3.1622776601683795e-2, 1e-1};
+	static const double bounds[RVE_INERTIA_BINS - 1] = {1e-6, 3.1622776601683795e-6, 1e-5, 3.1622776601683795e-5,
+														1e-4, 3.1622776601683795e-4, 1e-3, 3.1622776601683795e-3,
+														1e-2, 3.1622776601683795e-2, 1e-1};
 	double pressure = fmax(pressure_of(head), 1.0); /* Pa; a cell without stress counts as 1 Pa */
-	head->inertial_number = strain_per_step / model->constants.dt * model->diameter * sqrt(model->params.grain_density / pressure);
+	head->inertial_number =
+		strain_per_step / model->constants.dt * model->diameter * sqrt(model->params.grain_density / pressure);
 	int bin = 0;
 	while (bin < RVE_INERTIA_BINS - 1 && head->inertial_number >= bounds[bin])
 		bin++;
@@ -320,7 +355,8 @@ static void gas_leave(const struct rve_model *model, void *state, unsigned char 
 	head->ledger[LEDGER_DISCARDED] -= stored_energy(head);
 }
 
-/* A cell that can be deformed no further, or has been pulled apart, gives way to the start packing at the same volume. */
+/* A cell that can be deformed no further, or has been pulled apart, gives way to the start packing at the same volume.
+ */
 static int reseed(const struct rve_model *model, void *state, unsigned char *scratch)
 {
 	static const double rest[4] = {0};
@@ -379,7 +415,8 @@ static void frozen_advance(const struct rve_model *model, void *state, const dou
 }
 
 /* The cell cannot follow this call: a fresh one if it carries nothing, else it stays as it was before. */
-static int slender(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4], double dT, double dt)
+static int slender(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4], double dT,
+				   double dt)
 {
 	struct rve_head *head = head_of(state);
 	if (pressure_of(head) < model->params.gas_pressure && mat2_determinant(head->F) >= 1.0) {
@@ -397,7 +434,8 @@ static int nearly_slender(const struct rve_model *model, const struct rve_head *
 {
 	const double *H = head->H;
 	double longest = sqrt(fmax(H[0] * H[0] + H[2] * H[2], H[1] * H[1] + H[3] * H[3]));
-	double reach = 2.0 * model->constants.r_max * (1.0 + model->constants.expansion * head->temperature) + model->constants.skin;
+	double reach =
+		2.0 * model->constants.r_max * (1.0 + model->constants.expansion * head->temperature) + model->constants.skin;
 	return mat2_determinant(H) / longest < 3.0 * reach * exp(2.0 * strain);
 }
 
@@ -419,8 +457,8 @@ static struct rve_outcome spoilt(struct rve_head *head)
 	return (struct rve_outcome){OUTCOME_CROWDED, head->max_overlap};
 }
 
-static struct rve_outcome advance_one(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4],
-                                      double dT, double dt)
+static struct rve_outcome advance_one(const struct rve_model *model, void *state, unsigned char *scratch,
+									  const double L[4], double dT, double dt)
 {
 	struct rve_head *head = head_of(state);
 	const double strain_most = 1.0; /* in one call: far beyond what any time step should bring */
@@ -464,7 +502,7 @@ static struct rve_outcome advance_one(const struct rve_model *model, void *state
 		return spoilt(head);
 	double stretch = mat2_determinant(head->H) * model->params.thickness / model->variants[head->variant].volume;
 	if (model->params.gas && !(head->flags & RVE_FROZEN) && pressure_of(head) < model->params.gas_pressure &&
-	    stretch > model->params.gas_stretch)
+		stretch > model->params.gas_stretch)
 		gas_enter(head);
 	return check_state(model, head);
 }
@@ -473,21 +511,34 @@ static int report_failure(const struct rve_params *params, int k, struct rve_out
 {
 	switch (outcome.kind) {
 	case OUTCOME_OVERLAP:
-		return error_set(STATUS_GUARD, "RVE %d: discs overlap by %.3g of the smaller radius, limit %g: the material is squeezed "
-		                 "beyond what the contacts describe; a smaller time step, a smaller strain_per_step, a larger n_max or "
-		                 "stiffer contacts help", k, outcome.value, params->overlap_max);
+		return error_set(
+			STATUS_GUARD,
+			"RVE %d: discs overlap by %.3g of the smaller radius, limit %g: the material is squeezed "
+			"beyond what the contacts describe; a smaller time step, a smaller strain_per_step, a larger n_max or "
+			"stiffer contacts help",
+			k, outcome.value, params->overlap_max);
 	case OUTCOME_RATE:
-		return error_set(STATUS_GUARD, "RVE %d: the velocity gradient or the heating is not finite (%g 1/s): the motion around it has "
-		                 "become unstable; a smaller time step helps", k, outcome.value);
+		return error_set(
+			STATUS_GUARD,
+			"RVE %d: the velocity gradient or the heating is not finite (%g 1/s): the motion around it has "
+			"become unstable; a smaller time step helps",
+			k, outcome.value);
 	case OUTCOME_STRAIN:
-		return error_set(STATUS_GUARD, "RVE %d: strained by %.3g in one step, at most 1 makes sense: the motion around it has become "
-		                 "unstable; a smaller time step helps", k, outcome.value);
+		return error_set(STATUS_GUARD,
+						 "RVE %d: strained by %.3g in one step, at most 1 makes sense: the motion around it has become "
+						 "unstable; a smaller time step helps",
+						 k, outcome.value);
 	case OUTCOME_CROWDED:
-		return error_set(STATUS_GUARD, "RVE %d: more neighbours than discs side by side can have (overlap %.3g of the smaller radius): "
-		                 "a smaller time step or a smaller strain_per_step helps", k, outcome.value);
+		return error_set(
+			STATUS_GUARD,
+			"RVE %d: more neighbours than discs side by side can have (overlap %.3g of the smaller radius): "
+			"a smaller time step or a smaller strain_per_step helps",
+			k, outcome.value);
 	default:
-		return error_set(STATUS_GUARD, "RVE %d: the stress is not a number: the discs' motion has become unstable; a smaller "
-		                 "step_factor (now %g, at most about 0.5) helps", k, params->step_factor);
+		return error_set(STATUS_GUARD,
+						 "RVE %d: the stress is not a number: the discs' motion has become unstable; a smaller "
+						 "step_factor (now %g, at most about 0.5) helps",
+						 k, params->step_factor);
 	}
 }
 
@@ -502,7 +553,7 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 		const struct rve_head *head = head_of(state);
 		double friction = head->ledger[LEDGER_FRICTION];
 		struct rve_outcome outcome =
-		    advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch->L[k], batch->dT[k], batch->dt);
+			advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch->L[k], batch->dT[k], batch->dt);
 		double volume = mat2_determinant(head->H) * model->params.thickness;
 		batch->heat[k] = batch->dt > 0.0 ? (head->ledger[LEDGER_FRICTION] - friction) / (volume * batch->dt) : 0.0;
 		memcpy(batch->stress[k], head->stress, sizeof head->stress);
@@ -519,7 +570,8 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 	return batch->failed < 0 ? STATUS_OK : report_failure(&model->params, batch->failed, worst);
 }
 
-void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3], double *modulus)
+void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3],
+				  double *modulus)
 {
 	(void)model;
 	const struct rve_head *head = head_of(state);
@@ -540,7 +592,7 @@ void rve_get_info(const struct rve_model *model, const void *state, struct rve_i
 	memcpy(info->F, head->F, sizeof info->F);
 	info->volume0 = variant->volume;
 	info->volume = head->flags & (RVE_GAS | RVE_FROZEN) ? mat2_determinant(head->F) * variant->volume
-	                                                    : mat2_determinant(head->H) * model->params.thickness;
+														: mat2_determinant(head->H) * model->params.thickness;
 	info->temperature = head->temperature;
 	info->void_ratio = info->volume / model->params.thickness / (variant->solid_area * scale * scale) - 1.0;
 	info->coordination = 2.0 * head->contacts / model->layout.n;

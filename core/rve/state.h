@@ -17,21 +17,32 @@ enum { RVE_LEVELS_MAX = 40, RVE_INERTIA_BINS = 12, ROW_PAD = 8 };
 
 /* Arrays over discs: `real` */
 enum { DISC_SX, DISC_SY, DISC_VX, DISC_VY, DISC_W, DISC_STATE_FIELDS };
-/* and single precision: place at the last list build (cell coordinates), non-affine displacement until then (m), rotation (rad) */
+/* and single precision: place at the last list build (cell coordinates), non-affine displacement until then (m),
+ * rotation (rad) */
 enum { DISC32_REF_X, DISC32_REF_Y, DISC32_UX, DISC32_UY, DISC32_ROTATION, DISC32_FIELDS };
 /* Constants of the discs of a packing, in its order: radius at the reference temperature (m), mass (kg), dt/m, dt/I */
 enum { TABLE_R, TABLE_MASS, TABLE_DT_MASS, TABLE_DT_INERTIA, TABLE_FIELDS };
 
 /* Ledger entries, J of the cell with its z. */
-enum { LEDGER_WORK, LEDGER_ELASTIC, LEDGER_KINETIC, LEDGER_FRICTION, LEDGER_DASHPOT, LEDGER_BOND, LEDGER_EXPANSION, LEDGER_DISCARDED, LEDGER_FIELDS };
+enum {
+	LEDGER_WORK,
+	LEDGER_ELASTIC,
+	LEDGER_KINETIC,
+	LEDGER_FRICTION,
+	LEDGER_DASHPOT,
+	LEDGER_BOND,
+	LEDGER_EXPANSION,
+	LEDGER_DISCARDED,
+	LEDGER_FIELDS
+};
 
 struct rve_head {
-	real H[4];           /* m, columns are the cell vectors a and b */
-	real H_ref[4];       /* at the last list build */
-	real F[4];           /* macroscopic deformation gradient since birth */
-	real temperature;    /* K from the reference */
-	real scale_ref;      /* radius / reference radius at the last list build */
-	real gap;            /* gas and frozen: ln(J / J when it began) */
+	real H[4];        /* m, columns are the cell vectors a and b */
+	real H_ref[4];    /* at the last list build */
+	real F[4];        /* macroscopic deformation gradient since birth */
+	real temperature; /* K from the reference */
+	real scale_ref;   /* radius / reference radius at the last list build */
+	real gap;         /* gas and frozen: ln(J / J when it began) */
 	/* of the last step */
 	real stress[4];      /* Pa */
 	real contact_sum[3]; /* J: sum sym(f b), xx yy xy */
@@ -41,10 +52,10 @@ struct rve_head {
 	real ledger[LEDGER_FIELDS];
 	long long total_sub_steps;
 	int levels, entry_levels;
-	index16 level_rows[RVE_LEVELS_MAX];  /* m_l */
+	index16 level_rows[RVE_LEVELS_MAX]; /* m_l */
 	index16 level_first[RVE_LEVELS_MAX + 1];
 	index16 entry_first[RVE_LEVELS_MAX]; /* rows from here on have entries in level k */
-	unsigned inertia[RVE_INERTIA_BINS]; /* calls by inertial number */
+	unsigned inertia[RVE_INERTIA_BINS];  /* calls by inertial number */
 	int sub_steps, flags, variant, reseeded, rebuilds, clamped;
 };
 
@@ -70,14 +81,14 @@ struct rve_layout {
 
 /* Constants of a model. */
 struct rve_constants {
-	real kn, ks, mu;  /* N/m, N/m, - */
-	real expansion;   /* 1/K */
-	real resistance;  /* K/(W m) */
-	real thickness;   /* m */
-	real dt;          /* s, dt_DEM */
-	real r_max;       /* m */
-	real skin;        /* m */
-	real damping;     /* 2 zeta sqrt(kn) / dt */
+	real kn, ks, mu; /* N/m, N/m, - */
+	real expansion;  /* 1/K */
+	real resistance; /* K/(W m) */
+	real thickness;  /* m */
+	real dt;         /* s, dt_DEM */
+	real r_max;      /* m */
+	real skin;       /* m */
+	real damping;    /* 2 zeta sqrt(kn) / dt */
 };
 
 /* One call for one RVE. */
@@ -94,12 +105,13 @@ enum rve_kernel_status { KERNEL_OK, KERNEL_SLENDER, KERNEL_CROWDED };
 
 /* Advances one RVE.  Unless the status is KERNEL_OK, the state is neither the old one nor a new one: a caller that goes
  * on from there has kept a copy.  `table` = TABLE_FIELDS disc arrays. */
-void rve_kernel_base(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
-                     GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
+void rve_kernel_base(const struct rve_layout *layout, const struct rve_constants *constants,
+					 const struct rve_call *call, GLOBAL const real *table, GLOBAL unsigned char *state,
+					 LOCAL unsigned char *scratch, int *status);
 void rve_kernel_v3(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
-                   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
+				   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
 void rve_kernel_v4(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
-                   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
+				   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
 
 /* Bytes of scratch memory that a block needs. */
 int rve_kernel_scratch_bytes(const struct rve_layout *layout);
