@@ -546,6 +546,7 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 {
 	struct rve_outcome worst = {OUTCOME_OK, 0.0};
 	int threads = omp_get_max_threads() < model->n_threads ? omp_get_max_threads() : model->n_threads;
+	threads = threads < batch->n ? threads : batch->n > 0 ? batch->n : 1; /* no team for a single RVE */
 	batch->failed = -1;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
 	for (int k = 0; k < batch->n; k++) {
