@@ -18,7 +18,7 @@ void rve_params_default(struct rve_params *params)
 	*params = (struct rve_params){
 	    .kn = 1e6, .ks = 1e6, .mu = 0.5, .damping_ratio = 0.2, .grain_density = 2650.0, .thickness = 0.075,
 	    .expansion = 1e-4, .resistance = 1e4, .step_factor = 0.4, .strain_per_step = 5e-5, .pressure_scaling = 1,
-	    .n_max = 20, .skin = 0.2, .gas = 1, .gas_pressure = 20.0, .gas_stretch = 1.12, .overlap_max = 0.3};
+	    .n_max = 20, .skin = 0.2, .gas = 1, .gas_pressure = 20.0, .gas_stretch = 1.12, .overlap_max = 0.5};
 }
 
 /* ---- the model ---- */
