@@ -26,14 +26,24 @@ enum { N_FIELDS = sizeof fields / sizeof *fields };
 
 static double field_value(const struct rve_info *info, int f)
 {
-	const double values[N_FIELDS] = {
-		info->void_ratio, info->coordination, info->sliding_fraction, info->bond_fraction, info->sub_steps,
-		info->flags & RVE_GAS ? 1.0 : 0.0, info->flags & RVE_FROZEN ? 1.0 : 0.0, info->inertial_number,
-		info->max_overlap, info->pressure, info->temperature};
+	const double values[N_FIELDS] = {info->void_ratio,
+									 info->coordination,
+									 info->sliding_fraction,
+									 info->bond_fraction,
+									 info->sub_steps,
+									 info->flags & RVE_GAS ? 1.0 : 0.0,
+									 info->flags & RVE_FROZEN ? 1.0 : 0.0,
+									 info->inertial_number,
+									 info->max_overlap,
+									 info->pressure,
+									 info->temperature};
 	return values[f];
 }
 
-static unsigned char *state_of(const struct law *law, int slot) { return law->states + (size_t)slot * law->state_bytes; }
+static unsigned char *state_of(const struct law *law, int slot)
+{
+	return law->states + (size_t)slot * law->state_bytes;
+}
 
 /* Packings 0 .. n-1 of the law, and the model made of them. */
 static int make_model(struct law *law, const struct scene_law *scene, int n)
@@ -61,7 +71,8 @@ static int create(struct law *law, const struct scene_law *scene, int n_points, 
 		n = variant && variant[k] >= n ? variant[k] + 1 : n;
 	int status = make_model(law, scene, n);
 	if (status != STATUS_OK)
-		return error_context(status, "%s:%d: law %s", scene->place.file ? scene->place.file : "scene", scene->place.line, scene->name);
+		return error_context(status, "%s:%d: law %s", scene->place.file ? scene->place.file : "scene",
+							 scene->place.line, scene->name);
 	double void_ratio = 0.0;
 	for (int v = 0; v < n; v++)
 		void_ratio += rve_void_ratio(law->model, v) / n;
@@ -87,7 +98,8 @@ static void destroy(struct law *law)
 static int evaluate(const struct law *law, struct law_batch *batch)
 {
 	for (int k = 0; k < batch->n; k++) {
-		rve_evaluate(law->model, state_of(law, batch->slot[k]), batch->stress[k], batch->conductivity[k], &batch->modulus[k]);
+		rve_evaluate(law->model, state_of(law, batch->slot[k]), batch->stress[k], batch->conductivity[k],
+					 &batch->modulus[k]);
 		batch->heat[k] = 0.0;
 	}
 	batch->failed = -1;
@@ -96,9 +108,17 @@ static int evaluate(const struct law *law, struct law_batch *batch)
 
 static int advance(struct law *law, struct law_batch *batch)
 {
-	struct rve_batch rves = {.n = batch->n, .states = law->states, .slot = batch->slot, .L = batch->L, .dT = batch->dT,
-							 .dt = batch->dt, .stress = batch->stress, .heat = batch->heat,
-							 .conductivity = batch->conductivity, .modulus = batch->modulus, .failed = -1};
+	struct rve_batch rves = {.n = batch->n,
+							 .states = law->states,
+							 .slot = batch->slot,
+							 .L = batch->L,
+							 .dT = batch->dT,
+							 .dt = batch->dt,
+							 .stress = batch->stress,
+							 .heat = batch->heat,
+							 .conductivity = batch->conductivity,
+							 .modulus = batch->modulus,
+							 .failed = -1};
 	int status = rve_advance(law->model, &rves);
 	batch->failed = rves.failed;
 	return status == STATUS_OK ? status : error_context(status, "law %s", law->name);

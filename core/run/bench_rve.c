@@ -18,29 +18,34 @@ static double thread_seconds(void)
 	return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Shears one RVE isochorically (L = diag(R, -R), turning over every 4% of strain) for `calls` calls; disc-steps per second. */
+/* Shears one RVE on and on at constant volume for `calls` calls; disc-steps per second. */
 static int shear(const struct rve_model *model, unsigned char *state, double strain_per_call, int calls, double *rate)
 {
 	const double dt = 1e-3;
-	double stress[1][4], heat[1], conductivity[1][3], modulus[1], L[1][4] = {{0}}, dT[1] = {0};
-	struct rve_batch batch = {.n = 1, .states = state, .L = (const double(*)[4])L, .dT = dT, .dt = dt, .stress = stress,
-	                          .heat = heat, .conductivity = conductivity, .modulus = modulus};
+	double stress[1][4], heat[1], conductivity[1][3], modulus[1], dT[1] = {0};
+	const double L[1][4] = {{0.0, 2.0 * strain_per_call / dt, 0.0, 0.0}}; /* twice its largest principal rate */
+	struct rve_batch batch = {.n = 1,
+							  .states = state,
+							  .L = L,
+							  .dT = dT,
+							  .dt = dt,
+							  .stress = stress,
+							  .heat = heat,
+							  .conductivity = conductivity,
+							  .modulus = modulus};
 	struct rve_info before, after;
-	int turn = (int)ceil(0.04 / strain_per_call);
 	rve_get_info(model, state, &before);
 	double start = thread_seconds();
-	for (int k = 0; k < calls; k++) {
-		L[0][0] = (k / turn % 2 ? -1.0 : 1.0) * strain_per_call / dt;
-		L[0][3] = -L[0][0];
+	for (int k = 0; k < calls; k++)
 		CHECK(rve_advance(model, &batch));
-	}
 	double elapsed = thread_seconds() - start;
 	rve_get_info(model, state, &after);
 	*rate = (double)(after.total_sub_steps - before.total_sub_steps) * rve_discs(model) / elapsed;
 	return STATUS_OK;
 }
 
-/* One case: `strain_per_step` decides how violent it is. */
+/* One case: `strain_per_step` decides how violent it is; the default rebuilds its list about every 40 sub-steps, 2e-4
+ * (the economy setting) about every 15. */
 static int bench_case(bool json, const char *name, const struct rve_packing *packing, double strain_per_step)
 {
 	struct rve_params params;
@@ -68,14 +73,19 @@ int bench_rve(bool json)
 {
 	struct rve_params params;
 	rve_params_default(&params);
-	const struct rve_packing_params how = {.discs = DISCS, .radius_min = 0.25e-3, .radius_max = 0.5e-3, .pressure = 100e3,
-	                                       .mu = 0.5, .void_ratio = NAN, .seed = 1};
+	const struct rve_packing_params how = {.discs = DISCS,
+										   .radius_min = 0.25e-3,
+										   .radius_max = 0.5e-3,
+										   .pressure = 100e3,
+										   .mu = 0.5,
+										   .void_ratio = NAN,
+										   .seed = 1};
 	struct rve_packing *packing;
 	CHECK(rve_packing_cached(&packing, &how, &params));
 	bench_header(json, 1);
 	int status = bench_case(json, "rve_double", packing, 5e-5);
 	if (status == STATUS_OK)
-		status = bench_case(json, "rve_double_violent", packing, 5e-4);
+		status = bench_case(json, "rve_double_violent", packing, 2e-4);
 	rve_packing_free(packing);
 	return status;
 }

@@ -22,21 +22,21 @@
 #include <math.h>
 
 typedef double real;
-typedef float real32;            /* where single precision is enough by far */
-typedef unsigned short index16;  /* discs and slots in a state */
+typedef float real32;           /* where single precision is enough by far */
+typedef unsigned short index16; /* discs and slots in a state */
 
 enum { LANES = 128 };
 
-#define GLOBAL                   /* memory of states and tables */
-#define LOCAL                    /* scratch memory of a block */
-#define SHARED                   /* the one struct that the block shares */
+#define GLOBAL /* memory of states and tables */
+#define LOCAL  /* scratch memory of a block */
+#define SHARED /* the one struct that the block shares */
 #define RESTRICT restrict
-#define BLOCKFN static inline __attribute__((always_inline)) /* called by all threads of a block together */
+#define BLOCKFN static inline __attribute__((always_inline))  /* called by all threads of a block together */
 #define THREADFN static inline __attribute__((always_inline)) /* called by one thread, inside FOR_THREADS */
 
 #define DIALECT_PRAGMA_(x) _Pragma(#x)
 #define FOR_THREADS(i, n) DIALECT_PRAGMA_(GCC ivdep) for (int i = 0; i < (n); i++)
-#define ONE_THREAD                /* the statement that follows is done by one thread */
+#define ONE_THREAD /* the statement that follows is done by one thread */
 #define SYNC() ((void)0)
 
 /* The entry point, one name for each instruction set (kernel_base.c and its sisters). */

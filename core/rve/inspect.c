@@ -12,34 +12,36 @@ static double wrapped(double s)
 	return w < 1.0 ? w : 0.0;
 }
 
-static void inspect_disc(const struct rve_model *model, const unsigned char *state, int i, struct rve_disc *disc)
+static void inspect_disc(const struct rve_model *model, const unsigned char *state, int row, struct rve_disc *disc)
 {
 	const struct rve_layout *layout = &model->layout;
 	const struct rve_head *head = (const struct rve_head *)state;
-	const real *s = (const real *)(state + layout->disc) + i;
-	const real32 *t = (const real32 *)(state + layout->disc32) + i;
+	const real *s = (const real *)(state + layout->disc) + row;
+	const real32 *t = (const real32 *)(state + layout->disc32) + row;
 	double x = wrapped(s[DISC_SX * layout->stride]), y = wrapped(s[DISC_SY * layout->stride]);
 	double qx = s[DISC_SX * layout->stride] - (double)t[DISC32_REF_X * layout->stride];
 	double qy = s[DISC_SY * layout->stride] - (double)t[DISC32_REF_Y * layout->stride];
 	const double *H = head->H;
 	disc->x = H[0] * x + H[1] * y;
 	disc->y = H[2] * x + H[3] * y;
-	disc->radius = model->variants[head->variant].table[TABLE_R * layout->stride + i] *
-				   (1.0 + model->params.expansion * head->temperature);
+	disc->radius =
+		model->variants[head->variant].table[TABLE_R * layout->stride + ((const index16 *)(state + layout->id))[row]] *
+		(1.0 + model->params.expansion * head->temperature);
 	disc->displacement[0] = (double)t[DISC32_UX * layout->stride] + H[0] * qx + H[1] * qy;
 	disc->displacement[1] = (double)t[DISC32_UY * layout->stride] + H[2] * qx + H[3] * qy;
 	disc->rotation = (double)t[DISC32_ROTATION * layout->stride];
 	disc->contacts = 0;
 }
 
-/* Fills a contact between the model's discs i and j; 0 if they do not touch. */
-static int inspect_contact(const struct rve_model *model, const unsigned char *state, int p, struct rve_contact *contact)
+/* Fills a contact between the discs of slot p and the row that owns it; 0 if they do not touch. */
+static int inspect_contact(const struct rve_model *model, const unsigned char *state, int i, int p,
+						   struct rve_contact *contact)
 {
 	const struct rve_layout *layout = &model->layout;
 	const struct rve_head *head = (const struct rve_head *)state;
-	const struct rve_variant *variant = &model->variants[head->variant];
-	int i = ((const index16 *)(state + layout->pair_i))[p], j = ((const index16 *)(state + layout->pair_j))[p];
-	if (variant->order[i] > variant->order[j]) {
+	const index16 *id = (const index16 *)(state + layout->id);
+	int j = ((const index16 *)(state + layout->pair_j))[p];
+	if (id[i] > id[j]) {
 		int swap = i;
 		i = j, j = swap;
 	}
@@ -57,8 +59,8 @@ static int inspect_contact(const struct rve_model *model, const unsigned char *s
 		return 0;
 	double normal = fmax(0.0, model->params.kn * overlap + (double)((const real32 *)(state + layout->fd))[p]);
 	double tangential = ((const real *)(state + layout->ft))[p], cap = model->params.mu * normal;
-	contact->i = variant->order[i];
-	contact->j = variant->order[j];
+	contact->i = id[i];
+	contact->j = id[j];
 	contact->shift[0] = (int)kx;
 	contact->shift[1] = (int)ky;
 	contact->ends[0][0] = a.x, contact->ends[0][1] = a.y;
@@ -66,31 +68,34 @@ static int inspect_contact(const struct rve_model *model, const unsigned char *s
 	contact->normal_force = normal;
 	contact->tangential_force = tangential;
 	contact->mobilisation = cap > 0.0 ? fmin(1.0, fabs(tangential) / cap) : 0.0;
-	contact->sliding = cap > 0.0 && fabs(tangential) >= cap * (1.0 - 1e-6); /* the dashpot's part is kept in single precision */
+	contact->sliding =
+		cap > 0.0 && fabs(tangential) >= cap * (1.0 - 1e-6); /* the dashpot's part is kept in single precision */
 	contact->bond = 0;
 	return 1;
 }
 
-int rve_inspect(const struct rve_model *model, const void *state, struct rve_disc *discs, struct rve_contact *contacts, int capacity)
+int rve_inspect(const struct rve_model *model, const void *state, struct rve_disc *discs, struct rve_contact *contacts,
+				int capacity)
 {
 	const unsigned char *bytes = state;
 	const struct rve_head *head = state;
-	const int *order = model->variants[head->variant].order;
+	const index16 *id = (const index16 *)(bytes + model->layout.id);
 	int n = 0;
 	for (int i = 0; discs && i < model->layout.n; i++)
-		inspect_disc(model, bytes, i, &discs[order[i]]);
-	for (int p = 0; p < head->n_pairs; p++) {
-		struct rve_contact contact;
-		if (!inspect_contact(model, bytes, p, &contact))
-			continue;
-		if (discs) {
-			discs[contact.i].contacts++;
-			discs[contact.j].contacts++;
+		inspect_disc(model, bytes, i, &discs[id[i]]);
+	for (int level = 0; level < head->levels; level++)
+		for (int row = 0; row < head->level_rows[level]; row++) {
+			struct rve_contact contact;
+			if (!inspect_contact(model, bytes, row, head->level_first[level] + row, &contact))
+				continue;
+			if (discs) {
+				discs[contact.i].contacts++;
+				discs[contact.j].contacts++;
+			}
+			if (contacts && n < capacity)
+				contacts[n] = contact;
+			n++;
 		}
-		if (contacts && n < capacity)
-			contacts[n] = contact;
-		n++;
-	}
 	return contacts && n > capacity ? capacity : n;
 }
 

@@ -22,22 +22,69 @@
 
 enum {
 	/* sums over all sub-steps of the call */
-	LANE_WORK, LANE_EXPANSION, LANE_FRICTION, LANE_DASHPOT, LANE_KINETIC_WORK,
+	LANE_WORK,
+	LANE_EXPANSION,
+	LANE_FRICTION,
+	LANE_DASHPOT,
+	LANE_KINETIC_WORK,
 	/* of the last configuration */
-	LANE_CALL_FIELDS, LANE_SXX = LANE_CALL_FIELDS, LANE_SYY, LANE_SXY, LANE_LXX, LANE_LYY, LANE_LXY,
-	LANE_N40, LANE_N04, LANE_N22, LANE_N31, LANE_N13, LANE_OVERLAP_FORCE, LANE_ELASTIC,
-	LANE_CONTACTS, LANE_SLIDING, LANE_FORCE, LANE_VXX, LANE_VYY, LANE_VXY, LANE_KINETIC, LANE_UNBALANCED,
+	LANE_CALL_FIELDS,
+	LANE_SXX = LANE_CALL_FIELDS,
+	LANE_SYY,
+	LANE_SXY,
+	LANE_LXX,
+	LANE_LYY,
+	LANE_LXY,
+	LANE_N40,
+	LANE_N04,
+	LANE_N22,
+	LANE_N31,
+	LANE_N13,
+	LANE_OVERLAP_FORCE,
+	LANE_ELASTIC,
+	LANE_CONTACTS,
+	LANE_SLIDING,
+	LANE_FORCE,
+	LANE_VXX,
+	LANE_VYY,
+	LANE_VXY,
+	LANE_KINETIC,
+	LANE_UNBALANCED,
 	LANE_SUMS,
-	LANE_OVERLAP = LANE_SUMS, LANE_DISPLACEMENT, LANE_SECOND, /* largest, not summed */
+	LANE_OVERLAP = LANE_SUMS,
+	LANE_DISPLACEMENT,
+	LANE_SECOND, /* largest, not summed */
 	LANE_FIELDS
 };
 
-/* Scratch arrays: over discs, over pairs (slots that contact forces are left in), whole numbers. */
-enum { WORK_SX, WORK_SY, WORK_VX, WORK_VY, WORK_W, WORK_ROTATION, WORK_FX, WORK_FY, WORK_TORQUE, WORK_DISC_FIELDS };
-enum { WORK_FT, WORK_PX, WORK_PX_J, WORK_PY, WORK_PY_J, WORK_T, WORK_T_J, WORK_PAIR_FIELDS };
-enum { WORK_I, WORK_J, WORK_J_OLD, WORK_PAIR_INDICES };
+/* Scratch arrays: over rows, over slots (where contact forces are left for j), whole numbers. */
+enum {
+	WORK_SX,
+	WORK_SY,
+	WORK_VX,
+	WORK_VY,
+	WORK_W,
+	WORK_ROTATION,
+	WORK_FX,
+	WORK_FY,
+	WORK_TORQUE,
+	WORK_R,
+	WORK_MASS,
+	WORK_DT_MASS,
+	WORK_DT_INERTIA,
+	WORK_ROW_FIELDS
+};
+enum { WORK_FT, WORK_PX, WORK_PY, WORK_TJ, WORK_PAIR_FIELDS };
+enum { WORK_J, WORK_J_OLD, WORK_PAIR_INDICES };
+enum {
+	WORK_ID,
+	WORK_CELL,
+	WORK_SORTED,
+	WORK_DEGREE,
+	WORK_ROW_INDICES,
+};
+enum { ID_ROW, ID_ROW_OLD, ID_OWNED, ID_OTHERS, ID_INDICES }; /* over discs in the packing's order */
 enum { RIM_X, RIM_Y, RIM_R, RIM_FIELDS }; /* neighbour search: discs and their images around the cell, at most 4 n */
-enum { WORK_CELL, WORK_SORTED, WORK_DEGREE, WORK_FIRST_OLD, WORK_DISC_INDICES };
 
 /* What a block shares. */
 struct rve_block {
@@ -46,6 +93,8 @@ struct rve_block {
 	real H_inv[4];
 	real scale, scale_step; /* radius / reference radius, its increase in one sub-step */
 	int grid[2], status;
+	int levels_old;
+	index16 level_rows_old[RVE_LEVELS_MAX], level_first_old[RVE_LEVELS_MAX];
 };
 
 /* Where things are.  Every thread has the same. */
@@ -56,27 +105,27 @@ struct rve_place {
 	GLOBAL const real *table;
 	GLOBAL unsigned char *state;
 	SHARED struct rve_block *block;
-	LOCAL real *disc, *pair, *rim;
-	LOCAL int *pair_index, *disc_index, *entry, *rim_disc, *cell_start, *rim_start;
+	LOCAL real *row, *pair, *rim;
+	LOCAL int *pair_index, *row_index, *id_index, *entry, *rim_id, *cell_start, *rim_start, *key_start;
 	LOCAL index16 *neighbours; /* layout->levels + 1 for each disc */
 };
 
-#define WORK_DISC(f) (at->disc + (f) * at->layout->stride)
-#define WORK_PAIR(f) (at->pair + (f) * at->layout->pair_stride)
-#define WORK_PAIR_INDEX(f) (at->pair_index + (f) * at->layout->pair_stride)
-#define WORK_DISC_INDEX(f) (at->disc_index + (f) * at->layout->stride)
-#define WORK_ENTRY(level) (at->entry + (level) * at->layout->stride)
-#define TABLE(f) (at->table + (f) * at->layout->stride)
-#define STATE_DISC(f) ((GLOBAL real *)(at->state + at->layout->disc) + (f) * at->layout->stride)
-#define STATE_DISC32(f) ((GLOBAL real32 *)(at->state + at->layout->disc32) + (f) * at->layout->stride)
+#define WORK_ROW(f) (at->row + (f)*at->layout->stride)
+#define WORK_PAIR(f) (at->pair + (f)*at->layout->pair_stride)
+#define WORK_PAIR_INDEX(f) (at->pair_index + (f)*at->layout->pair_stride)
+#define WORK_ROW_INDEX(f) (at->row_index + (f)*at->layout->stride)
+#define WORK_ID_INDEX(f) (at->id_index + (f)*at->layout->stride)
+#define WORK_ENTRY(level) (at->entry + (level)*at->layout->stride)
+#define TABLE(f) (at->table + (f)*at->layout->stride)
+#define STATE_DISC(f) ((GLOBAL real *)(at->state + at->layout->disc) + (f)*at->layout->stride)
+#define STATE_DISC32(f) ((GLOBAL real32 *)(at->state + at->layout->disc32) + (f)*at->layout->stride)
 #define STATE_FT ((GLOBAL real *)(at->state + at->layout->ft))
 #define STATE_FD ((GLOBAL real32 *)(at->state + at->layout->fd))
 #define STATE_DAMPING ((GLOBAL real32 *)(at->state + at->layout->damping))
-#define STATE_I ((GLOBAL index16 *)(at->state + at->layout->pair_i))
 #define STATE_J ((GLOBAL index16 *)(at->state + at->layout->pair_j))
-#define STATE_FIRST ((GLOBAL index16 *)(at->state + at->layout->first))
+#define STATE_ID ((GLOBAL index16 *)(at->state + at->layout->id))
 #define STATE_FLAG (at->state + at->layout->flag)
-#define STATE_ENTRY(level) ((GLOBAL index16 *)(at->state + at->layout->entry) + (level) * at->layout->stride)
+#define STATE_ENTRY(level) ((GLOBAL index16 *)(at->state + at->layout->entry) + (level)*at->layout->stride)
 
 #include "rve/kernel_cell.h"
 #include "rve/kernel_neighbours.h"
@@ -85,7 +134,8 @@ struct rve_place {
 BLOCKFN void state_load(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		block->head = *(GLOBAL const struct rve_head *)at->state;
 		block->status = KERNEL_OK;
 		block->scale = 1.0 + at->constants->expansion * block->head.temperature;
@@ -94,49 +144,60 @@ BLOCKFN void state_load(const struct rve_place *at)
 	}
 	SYNC();
 	for (int f = 0; f < DISC_STATE_FIELDS; f++)
-		FOR_THREADS(i, at->layout->n) WORK_DISC(f)[i] = STATE_DISC(f)[i];
-	FOR_THREADS(i, at->layout->n) WORK_DISC(WORK_ROTATION)[i] = 0.0;
-	FOR_THREADS(p, block->head.n_pairs)
+		FOR_THREADS(i, at->layout->stride) WORK_ROW(f)[i] = STATE_DISC(f)[i];
+	FOR_THREADS(i, at->layout->stride)
+	{
+		WORK_ROW_INDEX(WORK_ID)[i] = STATE_ID[i];
+		WORK_ROW(WORK_ROTATION)[i] = 0.0;
+	}
+	const int slots = block->head.level_first[block->head.levels];
+	FOR_THREADS(p, slots)
 	{
 		WORK_PAIR(WORK_FT)[p] = STATE_FT[p];
-		WORK_PAIR_INDEX(WORK_I)[p] = STATE_I[p];
 		WORK_PAIR_INDEX(WORK_J)[p] = STATE_J[p];
 	}
-	for (int level = 0; level < block->head.levels; level++)
-		FOR_THREADS(i, at->layout->n) WORK_ENTRY(level)[i] = STATE_ENTRY(level)[i];
+	for (int level = 0; level < block->head.entry_levels; level++) {
+		const int first = block->head.entry_first[level];
+		FOR_THREADS(i, at->layout->n - first) WORK_ENTRY(level)[first + i] = STATE_ENTRY(level)[first + i];
+	}
+	LOCAL real *lanes = &block->lanes[0][0];
+	FOR_THREADS(k, LANE_FIELDS * LANES) lanes[k] = 0.0;
 	slots_clear(at);
-	for (int q = 0; q < LANE_FIELDS; q++)
-		FOR_THREADS(lane, LANES) block->lanes[q][lane] = 0.0;
 	SYNC();
+	rows_load(at);
 }
 
 BLOCKFN void state_store(const struct rve_place *at)
 {
 	for (int f = 0; f < DISC_STATE_FIELDS; f++)
-		FOR_THREADS(i, at->layout->n) STATE_DISC(f)[i] = WORK_DISC(f)[i];
-	FOR_THREADS(i, at->layout->n) STATE_DISC32(DISC32_ROTATION)[i] += (real32)WORK_DISC(WORK_ROTATION)[i];
-	FOR_THREADS(p, at->block->head.n_pairs) STATE_FT[p] = WORK_PAIR(WORK_FT)[p];
+		FOR_THREADS(i, at->layout->n) STATE_DISC(f)[i] = WORK_ROW(f)[i];
+	FOR_THREADS(i, at->layout->n) STATE_DISC32(DISC32_ROTATION)[i] += (real32)WORK_ROW(WORK_ROTATION)[i];
+	const int slots = at->block->head.level_first[at->block->head.levels];
+	FOR_THREADS(p, slots) STATE_FT[p] = WORK_PAIR(WORK_FT)[p];
 	ONE_THREAD *(GLOBAL struct rve_head *)at->state = at->block->head;
 	SYNC();
 }
 
 /* One RVE, call->sub_steps sub-steps.  `scratch` is layout->scratch bytes, 64-byte aligned. */
-KERNEL(rve_kernel)(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
-                   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
+KERNEL(rve_kernel)
+(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
+ GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
 {
 	struct rve_place place = {.layout = layout, .constants = constants, .call = call, .table = table, .state = state};
 	const struct rve_place *at = &place;
 	place.block = (SHARED struct rve_block *)scratch;
-	place.disc = (LOCAL real *)(scratch + sizeof(struct rve_block));
-	place.pair = place.disc + WORK_DISC_FIELDS * layout->stride;
+	place.row = (LOCAL real *)(scratch + sizeof(struct rve_block));
+	place.pair = place.row + WORK_ROW_FIELDS * layout->stride;
 	place.rim = place.pair + WORK_PAIR_FIELDS * layout->pair_stride;
 	place.pair_index = (LOCAL int *)(place.rim + RIM_FIELDS * 4 * layout->stride);
-	place.disc_index = place.pair_index + WORK_PAIR_INDICES * layout->pair_stride;
-	place.entry = place.disc_index + WORK_DISC_INDICES * layout->stride;
-	place.rim_disc = place.entry + layout->levels * layout->stride;
-	place.cell_start = place.rim_disc + 4 * layout->stride;
+	place.row_index = place.pair_index + WORK_PAIR_INDICES * layout->pair_stride;
+	place.id_index = place.row_index + WORK_ROW_INDICES * layout->stride;
+	place.entry = place.id_index + ID_INDICES * layout->stride;
+	place.rim_id = place.entry + layout->levels * layout->stride;
+	place.cell_start = place.rim_id + 4 * layout->stride;
 	place.rim_start = place.cell_start + layout->grid * layout->grid + 1;
-	place.neighbours = (LOCAL index16 *)(place.rim_start + (layout->grid + 2) * (layout->grid + 2) + 1);
+	place.key_start = place.rim_start + (layout->grid + 2) * (layout->grid + 2) + 1;
+	place.neighbours = (LOCAL index16 *)(place.key_start + (layout->levels + 1) * (layout->levels + 1) + 1);
 	SHARED struct rve_block *block = place.block;
 
 	state_load(at);
@@ -151,12 +212,11 @@ KERNEL(rve_kernel)(const struct rve_layout *layout, const struct rve_constants *
 		if (k + 1 < call->sub_steps)
 			contacts_sub_step(at);
 		else
-			contacts_last_sub_step(at);
-		forces_gather(at);
+			contacts_last(at);
 		kick(at);
 	}
 	if (block->status == KERNEL_OK && call->sub_steps == 0)
-		contacts_measure(at);
+		contacts_last(at);
 	if (block->status == KERNEL_OK) {
 		homogenise(at);
 		state_store(at);
@@ -167,11 +227,12 @@ KERNEL(rve_kernel)(const struct rve_layout *layout, const struct rve_constants *
 /* Bytes of scratch memory that the kernel needs. */
 static inline int kernel_scratch_bytes(const struct rve_layout *layout)
 {
-	const long disc = layout->stride, pair = layout->pair_stride, grid = layout->grid;
+	const long row = layout->stride, pair = layout->pair_stride, grid = layout->grid, keys = layout->levels + 1;
 	long bytes = (long)sizeof(struct rve_block);
-	bytes += (long)sizeof(real) * (WORK_DISC_FIELDS * disc + WORK_PAIR_FIELDS * pair + RIM_FIELDS * 4 * disc);
-	bytes += (long)sizeof(int) * (WORK_PAIR_INDICES * pair + WORK_DISC_INDICES * disc + (layout->levels + 4) * disc);
-	bytes += (long)sizeof(int) * (grid * grid + 1 + (grid + 2) * (grid + 2) + 1);
+	bytes += (long)sizeof(real) * (WORK_ROW_FIELDS * row + WORK_PAIR_FIELDS * pair + RIM_FIELDS * 4 * row);
+	bytes +=
+		(long)sizeof(int) * (WORK_PAIR_INDICES * pair + (WORK_ROW_INDICES + ID_INDICES + layout->levels + 4) * row);
+	bytes += (long)sizeof(int) * (grid * grid + 1 + (grid + 2) * (grid + 2) + 1 + keys * keys + 1);
 	bytes += (long)sizeof(index16) * (layout->levels + 1) * layout->n;
 	return (int)((bytes + 63) / 64 * 64);
 }

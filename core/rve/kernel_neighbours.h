@@ -31,7 +31,7 @@ BLOCKFN void neighbours_rebase(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
-	LOCAL real *sx = WORK_DISC(WORK_SX), *sy = WORK_DISC(WORK_SY);
+	LOCAL real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY);
 	GLOBAL real32 *ref_x = STATE_DISC32(DISC32_REF_X), *ref_y = STATE_DISC32(DISC32_REF_Y);
 	GLOBAL real32 *ux = STATE_DISC32(DISC32_UX), *uy = STATE_DISC32(DISC32_UY);
 	const real moved = at->call->rebuild ? 0.0 : 1.0;
@@ -47,10 +47,9 @@ BLOCKFN void neighbours_rebase(const struct rve_place *at)
 		x -= real_nearest(x), y -= real_nearest(y);
 		sx[i] = x < 0.0 ? x + 1.0 : x;
 		sy[i] = y < 0.0 ? y + 1.0 : y;
-		ref_x[i] = (real32)sx[i];
-		ref_y[i] = (real32)sy[i];
 	}
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		for (int k = 0; k < 4; k++)
 			block->head.H[k] = block->head.H_ref[k] = H[k];
 		cell_invert(block->head.H, block->H_inv);
@@ -71,10 +70,11 @@ THREADFN int clamp_cell(real x, int least, int most)
 BLOCKFN void neighbours_sort(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	LOCAL const real *sx = WORK_DISC(WORK_SX), *sy = WORK_DISC(WORK_SY);
-	GLOBAL const real *radius = TABLE(TABLE_R);
-	LOCAL int *cell = WORK_DISC_INDEX(WORK_CELL), *sorted = WORK_DISC_INDEX(WORK_SORTED);
+	LOCAL const real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY), *radius = WORK_ROW(WORK_R);
+	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID);
+	LOCAL int *cell = WORK_ROW_INDEX(WORK_CELL), *sorted = WORK_ROW_INDEX(WORK_SORTED);
 	LOCAL int *start = at->cell_start, *rim_start = at->rim_start;
+	LOCAL real *rim_x = at->rim, *rim_y = rim_x + 4 * at->layout->stride, *rim_r = rim_y + 4 * at->layout->stride;
 	const real reach = 2.0 * at->constants->r_max * block->scale + at->constants->skin, scale = block->scale;
 	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
 	const real area = hxx * hyy - hxy * hyx;
@@ -83,7 +83,8 @@ BLOCKFN void neighbours_sort(const struct rve_place *at)
 	const int columns = nx + 2, rows = ny + 2;
 	FOR_THREADS(i, at->layout->n) cell[i] = clamp_cell(sy[i] * ny, 0, ny - 1) * nx + clamp_cell(sx[i] * nx, 0, nx - 1);
 	SYNC();
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		for (int c = 0; c <= nx * ny; c++)
 			start[c] = 0;
 		for (int i = 0; i < at->layout->n; i++)
@@ -96,9 +97,12 @@ BLOCKFN void neighbours_sort(const struct rve_place *at)
 			start[c] = start[c - 1];
 		start[0] = 0;
 		rim_start[0] = 0;
-		for (int c = 0; c < columns * rows; c++) {
-			int x = (c % columns + nx - 1) % nx, y = (c / columns + ny - 1) % ny;
-			rim_start[c + 1] = rim_start[c] + start[y * nx + x + 1] - start[y * nx + x];
+		for (int y = 0, c = 0; y < rows; y++) {
+			int from = (y == 0 ? ny - 1 : y == ny + 1 ? 0 : y - 1) * nx;
+			for (int x = 0; x < columns; x++, c++) {
+				int k = from + (x == 0 ? nx - 1 : x == nx + 1 ? 0 : x - 1);
+				rim_start[c + 1] = rim_start[c] + start[k + 1] - start[k];
+			}
 		}
 		block->grid[0] = nx;
 		block->grid[1] = ny;
@@ -112,148 +116,246 @@ BLOCKFN void neighbours_sort(const struct rve_place *at)
 		for (int k = rim_start[c]; k < rim_start[c + 1]; k++) {
 			const int i = sorted[from++];
 			real px = sx[i] + turn_x, py = sy[i] + turn_y;
-			at->rim_disc[k] = i;
-			at->rim[RIM_X * 4 * at->layout->stride + k] = hxx * px + hxy * py;
-			at->rim[RIM_Y * 4 * at->layout->stride + k] = hyx * px + hyy * py;
-			at->rim[RIM_R * 4 * at->layout->stride + k] = radius[i] * scale;
+			at->rim_id[k] = id[i];
+			rim_x[k] = hxx * px + hxy * py;
+			rim_y[k] = hyx * px + hyy * py;
+			rim_r[k] = radius[i] * scale;
 		}
 	}
 	SYNC();
 }
 
-/* The neighbours j > i of disc i.  Returns how many; more than the capacity are not all in the list. */
-THREADFN int neighbours_find(const struct rve_place *at, int i, LOCAL index16 *list)
+/* The neighbours of the disc in a row: a list of those whose pairs it owns, and how many others there are.  Of two
+ * discs of even and odd index the lower one owns the pair, else the higher one: half of each disc's pairs, and always
+ * the same.  More than the capacity are not all in the list. */
+THREADFN void neighbours_find(const struct rve_place *at, int row)
 {
-	const int nx = at->block->grid[0], columns = nx + 2, capacity = at->layout->levels;
-	LOCAL const int *start = at->rim_start, *disc = at->rim_disc;
-	LOCAL const real *x = at->rim + RIM_X * 4 * at->layout->stride, *y = at->rim + RIM_Y * 4 * at->layout->stride;
-	LOCAL const real *r = at->rim + RIM_R * 4 * at->layout->stride;
-	const real *H = at->block->head.H;
-	const real si = WORK_DISC(WORK_SX)[i], ti = WORK_DISC(WORK_SY)[i];
-	const real xi = H[0] * si + H[1] * ti, yi = H[2] * si + H[3] * ti;
-	const real reach = TABLE(TABLE_R)[i] * at->block->scale + at->constants->skin;
-	const int c = WORK_DISC_INDEX(WORK_CELL)[i], first = c / nx * columns + c % nx;
-	int found = 0;
-	for (int row = 0; row < 3; row++) {
-		const int begin = start[first + row * columns], end = start[first + row * columns + 3];
-		for (int k = begin; k < end; k++) {
-			real dx = x[k] - xi, dy = y[k] - yi, cut = r[k] + reach;
-			list[found < capacity ? found : capacity] = (index16)disc[k];
-			found += (dx * dx + dy * dy < cut * cut) & (disc[k] > i); /* without a branch: most are no neighbours */
+	const int columns = at->block->grid[0] + 2, nx = at->block->grid[0], capacity = at->layout->levels;
+	const int id = WORK_ROW_INDEX(WORK_ID)[row];
+	LOCAL index16 *list = at->neighbours + (long)id * (at->layout->levels + 1);
+	LOCAL const int *start = at->rim_start, *rim_id = at->rim_id;
+	LOCAL const real *x = at->rim, *y = x + 4 * at->layout->stride, *r = y + 4 * at->layout->stride;
+	SHARED const real *H = at->block->head.H;
+	const real s = WORK_ROW(WORK_SX)[row], t = WORK_ROW(WORK_SY)[row];
+	const real x0 = H[0] * s + H[1] * t, y0 = H[2] * s + H[3] * t;
+	const real reach = WORK_ROW(WORK_R)[row] * at->block->scale + at->constants->skin;
+	const int c = WORK_ROW_INDEX(WORK_CELL)[row], first = c / nx * columns + c % nx;
+	int near = 0, owned = 0;
+	for (int k3 = 0; k3 < 3; k3++) {
+		const int begin = start[first + k3 * columns], end = start[first + k3 * columns + 3];
+		for (int k = begin; k < end; k++) { /* without a branch: most are no neighbours */
+			real dx = x[k] - x0, dy = y[k] - y0, cut = r[k] + reach;
+			const int other = rim_id[k], is_near = dx * dx + dy * dy < cut * cut;
+			list[owned < capacity ? owned : capacity] = (index16)other;
+			owned += is_near & (((id ^ other) & 1) ^ (id > other));
+			near += is_near;
 		}
 	}
-	return found;
+	WORK_ID_INDEX(ID_OWNED)[id] = owned;
+	WORK_ID_INDEX(ID_OTHERS)[id] = near - 1 - owned; /* it is near itself */
 }
 
 /* What the pairs of the old list remember, out of the way of the new one. */
 BLOCKFN void history_keep(const struct rve_place *at)
 {
-	LOCAL const int *pair_j = WORK_PAIR_INDEX(WORK_J);
-	LOCAL int *old_first = WORK_DISC_INDEX(WORK_FIRST_OLD), *old_j = WORK_PAIR_INDEX(WORK_J_OLD);
-	LOCAL real *old_ft = WORK_PAIR(WORK_PX), *old_fd = WORK_PAIR(WORK_PY), *old_flag = WORK_PAIR(WORK_T);
-	FOR_THREADS(p, at->block->head.n_pairs)
+	SHARED struct rve_block *block = at->block;
+	const int slots = block->head.level_first[block->head.levels];
+	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *pair_j = WORK_PAIR_INDEX(WORK_J);
+	LOCAL int *old_row = WORK_ID_INDEX(ID_ROW_OLD), *old_j = WORK_PAIR_INDEX(WORK_J_OLD);
+	LOCAL real *old_ft = WORK_PAIR(WORK_PX), *old_fd = WORK_PAIR(WORK_PY), *old_flag = WORK_PAIR(WORK_TJ);
+	FOR_THREADS(p, slots)
 	{
-		old_j[p] = pair_j[p];
+		old_j[p] = id[pair_j[p]];
 		old_ft[p] = WORK_PAIR(WORK_FT)[p];
 		old_fd[p] = (real)STATE_FD[p];
 		old_flag[p] = (real)STATE_FLAG[p];
 	}
-	FOR_THREADS(i, at->layout->n + 1) old_first[i] = STATE_FIRST[i];
+	FOR_THREADS(i, at->layout->n) old_row[id[i]] = i;
+	ONE_THREAD
+	{
+		block->levels_old = block->head.levels;
+		for (int level = 0; level < RVE_LEVELS_MAX; level++) {
+			block->level_rows_old[level] = block->head.level_rows[level];
+			block->level_first_old[level] = block->head.level_first[level];
+		}
+	}
 	SYNC();
 }
 
-/* The pairs of disc i and what they remember. */
-THREADFN void pairs_write(const struct rve_place *at, int i)
+/* New rows: by how many pairs a disc owns, the most first, then by how many others it has, the fewest first (who owns
+ * many has few others, so that the levels of entries have few holes).  Sizes of the levels. */
+BLOCKFN void rows_sort(const struct rve_place *at)
 {
-	LOCAL const index16 *list = at->neighbours + (long)i * (at->layout->levels + 1);
+	SHARED struct rve_block *block = at->block;
+	LOCAL const int *owned = WORK_ID_INDEX(ID_OWNED), *others = WORK_ID_INDEX(ID_OTHERS);
+	LOCAL int *row = WORK_ID_INDEX(ID_ROW), *id = WORK_ROW_INDEX(WORK_ID), *start = at->key_start;
+	const int n = at->layout->n, capacity = at->layout->levels, keys = (capacity + 1) * (capacity + 1);
+	ONE_THREAD
+	{
+		int most = 0;
+		for (int k = 0; k <= keys; k++)
+			start[k] = 0;
+		for (int i = 0; i < n; i++) {
+			int degree = owned[i] + others[i];
+			most = degree > most ? degree : most;
+		}
+		if (most > capacity)
+			block->status = KERNEL_CROWDED;
+		for (int i = 0; i < n && most <= capacity; i++)
+			start[(capacity - owned[i]) * (capacity + 1) + others[i] + 1]++;
+		for (int k = 0; k < keys; k++)
+			start[k + 1] += start[k];
+		for (int i = 0; i < n && most <= capacity; i++) {
+			row[i] = start[(capacity - owned[i]) * (capacity + 1) + others[i]]++;
+			id[row[i]] = i;
+		}
+		int first = 0, levels = 0;
+		for (int rows = n; levels < capacity && most <= capacity; levels++) {
+			while (rows > 0 && owned[id[rows - 1]] <= levels)
+				rows--;
+			if (rows == 0)
+				break;
+			block->head.level_rows[levels] = (index16)rows;
+			block->head.level_first[levels] = (index16)first;
+			first += (rows + ROW_PAD - 1) / ROW_PAD * ROW_PAD;
+			if (first > at->layout->pairs) {
+				block->status = KERNEL_CROWDED;
+				break;
+			}
+		}
+		block->head.levels = levels;
+		block->head.level_first[levels] = (index16)first;
+	}
+	SYNC();
+}
+
+/* The constants of the discs, in rows. */
+BLOCKFN void rows_load(const struct rve_place *at)
+{
+	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID);
+	FOR_THREADS(i, at->layout->stride)
+	{
+		WORK_ROW(WORK_R)[i] = TABLE(TABLE_R)[id[i]];
+		WORK_ROW(WORK_MASS)[i] = TABLE(TABLE_MASS)[id[i]];
+		WORK_ROW(WORK_DT_MASS)[i] = TABLE(TABLE_DT_MASS)[id[i]];
+		WORK_ROW(WORK_DT_INERTIA)[i] = TABLE(TABLE_DT_INERTIA)[id[i]];
+	}
+	SYNC();
+}
+
+/* Discs move to their new rows. */
+BLOCKFN void rows_move(const struct rve_place *at)
+{
+	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *old_row = WORK_ID_INDEX(ID_ROW_OLD);
+	LOCAL real *moved = WORK_ROW(WORK_FX);
+	const int n = at->layout->n;
+	for (int f = WORK_SX; f <= WORK_ROTATION; f++) {
+		LOCAL real *field = WORK_ROW(f);
+		FOR_THREADS(i, n) moved[i] = field[old_row[id[i]]];
+		SYNC();
+		FOR_THREADS(i, n) field[i] = moved[i];
+		SYNC();
+	}
+	for (int f = DISC32_UX; f <= DISC32_ROTATION; f++) {
+		GLOBAL real32 *field = STATE_DISC32(f);
+		FOR_THREADS(i, n) moved[i] = (real)field[old_row[id[i]]];
+		SYNC();
+		FOR_THREADS(i, n) field[i] = (real32)moved[i];
+		SYNC();
+	}
+	FOR_THREADS(i, n)
+	{
+		STATE_DISC32(DISC32_REF_X)[i] = (real32)WORK_ROW(WORK_SX)[i];
+		STATE_DISC32(DISC32_REF_Y)[i] = (real32)WORK_ROW(WORK_SY)[i];
+		STATE_ID[i] = (index16)id[i];
+	}
+	rows_load(at);
+}
+
+/* The pairs of one level with what they remember, and its pairs to the ghost. */
+BLOCKFN void pairs_write(const struct rve_place *at, int level)
+{
+	SHARED const struct rve_block *block = at->block;
+	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *new_row = WORK_ID_INDEX(ID_ROW),
+					*old_row = WORK_ID_INDEX(ID_ROW_OLD);
 	LOCAL const int *old_j = WORK_PAIR_INDEX(WORK_J_OLD);
-	const int begin = STATE_FIRST[i], end = STATE_FIRST[i + 1];
-	const int old_begin = WORK_DISC_INDEX(WORK_FIRST_OLD)[i], old_end = WORK_DISC_INDEX(WORK_FIRST_OLD)[i + 1];
-	for (int p = begin; p < end; p++) {
-		const int j = list[p - begin];
-		int old = old_begin;
-		while (old < old_end && old_j[old] != j)
-			old++;
-		const int known = old < old_end;
-		WORK_PAIR_INDEX(WORK_I)[p] = i;
-		WORK_PAIR_INDEX(WORK_J)[p] = j;
-		STATE_I[p] = (index16)i;
-		STATE_J[p] = (index16)j;
-		WORK_PAIR(WORK_FT)[p] = known ? WORK_PAIR(WORK_PX)[old] : 0.0;
-		STATE_FD[p] = known ? (real32)WORK_PAIR(WORK_PY)[old] : 0.0f;
-		STATE_FLAG[p] = known ? (unsigned char)WORK_PAIR(WORK_T)[old] : 0;
+	LOCAL const real *mass = WORK_ROW(WORK_MASS);
+	const int first = block->head.level_first[level], rows = block->head.level_rows[level];
+	const int padded = block->head.level_first[level + 1] - first;
+	const real factor = at->constants->damping;
+	FOR_THREADS(i, padded)
+	{
+		const int p = first + i, owner = i < rows ? id[i] : 0;
+		const int j = i < rows ? at->neighbours[(long)owner * (at->layout->levels + 1) + level] : at->layout->n;
+		const int row = i < rows ? new_row[j] : at->layout->n, was = old_row[owner];
+		int known = -1;
+		for (int k = 0; k < block->levels_old && was < block->level_rows_old[k]; k++)
+			known = old_j[block->level_first_old[k] + was] == j ? block->level_first_old[k] + was : known;
+		WORK_PAIR_INDEX(WORK_J)[p] = row;
+		STATE_J[p] = (index16)row;
+		WORK_PAIR(WORK_FT)[p] = known >= 0 ? WORK_PAIR(WORK_PX)[known] : 0.0;
+		STATE_FD[p] = known >= 0 ? (real32)WORK_PAIR(WORK_PY)[known] : 0.0f;
+		STATE_FLAG[p] = known >= 0 ? (unsigned char)WORK_PAIR(WORK_TJ)[known] : 0;
 	}
+	SYNC();
+	LOCAL const int *pair_j = WORK_PAIR_INDEX(WORK_J) + first;
+	GLOBAL real32 *damping = STATE_DAMPING + first;
+	FOR_THREADS(i, padded)
+	{
+		real a = mass[i], b = mass[pair_j[i]];
+		damping[i] = (real32)(factor * real_sqrt(a * b / (a + b)));
+	}
+	SYNC();
 }
 
-/* The slot that holds no force, for discs with fewer neighbours than others. */
-BLOCKFN void slots_clear(const struct rve_place *at)
-{
-	ONE_THREAD {
-		for (int f = WORK_PX; f <= WORK_T; f += 2)
-			WORK_PAIR(f)[at->layout->pairs] = 0.0;
-	}
-}
-
-/* Which slots each disc gathers: entry[level][i].  A short walk, done by one thread. */
+/* Which slots each disc gathers as a pair's j.  A short walk, done by one thread. */
 BLOCKFN void entries_write(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	LOCAL int *degree = WORK_DISC_INDEX(WORK_DEGREE);
-	LOCAL const int *pair_i = WORK_PAIR_INDEX(WORK_I), *pair_j = WORK_PAIR_INDEX(WORK_J);
-	const int n = at->layout->n, stride = at->layout->stride, capacity = at->layout->levels;
-	LOCAL int *entry = WORK_ENTRY(0);
+	LOCAL int *degree = WORK_ROW_INDEX(WORK_DEGREE), *entry = WORK_ENTRY(0);
+	LOCAL const int *pair_j = WORK_PAIR_INDEX(WORK_J);
+	const int n = at->layout->n, stride = at->layout->stride;
 	FOR_THREADS(i, n) degree[i] = 0;
 	SYNC();
-	ONE_THREAD {
-		for (int p = 0; p < block->head.n_pairs; p++) {
-			const int i = pair_i[p], j = pair_j[p];
-			if (degree[i] < capacity && degree[j] < capacity) {
-				entry[degree[i] * stride + i] = p;
-				entry[degree[j] * stride + j] = p + at->layout->pair_stride;
+	ONE_THREAD
+	{
+		for (int level = 0; level < block->head.levels; level++)
+			for (int i = 0; i < block->head.level_rows[level]; i++) {
+				const int p = block->head.level_first[level] + i, j = pair_j[p];
+				entry[degree[j]++ * stride + j] = p;
 			}
-			degree[i]++;
-			degree[j]++;
-		}
 		int levels = 0;
 		for (int i = 0; i < n; i++)
 			levels = degree[i] > levels ? degree[i] : levels;
-		block->head.levels = levels;
-		if (levels > capacity)
-			block->status = KERNEL_CROWDED;
-		for (int level = 0; level < levels && level < capacity; level++) {
-			int last = n;
-			while (degree[last - 1] <= level)
-				last--;
-			block->head.level_discs[level] = (index16)last;
+		block->head.entry_levels = levels;
+		for (int level = 0; level < levels; level++) {
+			int first = 0;
+			while (degree[first] <= level)
+				first++;
+			block->head.entry_first[level] = (index16)(first / ROW_PAD * ROW_PAD);
 		}
 	}
 	SYNC();
-	for (int level = 0; level < block->head.levels && level < capacity; level++)
-		FOR_THREADS(i, n)
+	for (int level = 0; level < block->head.entry_levels; level++) {
+		const int first = block->head.entry_first[level];
+		FOR_THREADS(k, n - first)
 		{
-			int e = degree[i] > level ? entry[level * stride + i] : at->layout->pairs;
+			const int i = first + k, e = degree[i] > level ? entry[level * stride + i] : at->layout->pairs;
 			entry[level * stride + i] = e;
 			STATE_ENTRY(level)[i] = (index16)e;
 		}
+	}
 	SYNC();
 }
 
-/* Discs' lists put one after the other; sets STATE_FIRST, n_pairs. */
-BLOCKFN void pairs_count(const struct rve_place *at)
+/* The slot that holds no force, for discs with fewer entries than others. */
+BLOCKFN void slots_clear(const struct rve_place *at)
 {
-	SHARED struct rve_block *block = at->block;
-	LOCAL const int *degree = WORK_DISC_INDEX(WORK_DEGREE);
-	ONE_THREAD {
-		int pairs = 0, most = 0;
-		for (int i = 0; i < at->layout->n; i++) {
-			STATE_FIRST[i] = (index16)pairs;
-			pairs += degree[i];
-			most = degree[i] > most ? degree[i] : most;
-		}
-		if (pairs > at->layout->pairs || most > at->layout->levels)
-			block->status = KERNEL_CROWDED;
-		STATE_FIRST[at->layout->n] = (index16)pairs;
-		block->head.n_pairs = pairs;
+	ONE_THREAD
+	{
+		WORK_PAIR(WORK_PX)[at->layout->pairs] = 0.0;
+		WORK_PAIR(WORK_PY)[at->layout->pairs] = 0.0;
+		WORK_PAIR(WORK_TJ)[at->layout->pairs] = 0.0;
 	}
 	SYNC();
 }
@@ -263,12 +365,6 @@ BLOCKFN void pairs_count(const struct rve_place *at)
 BLOCKFN void neighbours_build(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	const int n = at->layout->n;
-	LOCAL int *degree = WORK_DISC_INDEX(WORK_DEGREE);
-	LOCAL const int *pair_i = WORK_PAIR_INDEX(WORK_I), *pair_j = WORK_PAIR_INDEX(WORK_J);
-	GLOBAL const real *mass = TABLE(TABLE_MASS);
-	GLOBAL real32 *damping = STATE_DAMPING;
-	const real factor = at->constants->damping;
 	history_keep(at);
 	neighbours_rebase(at);
 	real reach = 2.0 * at->constants->r_max * block->scale + at->constants->skin;
@@ -278,19 +374,14 @@ BLOCKFN void neighbours_build(const struct rve_place *at)
 		return;
 	}
 	neighbours_sort(at);
-	FOR_THREADS(i, n) degree[i] = neighbours_find(at, i, at->neighbours + (long)i * (at->layout->levels + 1));
+	FOR_THREADS(i, at->layout->n) neighbours_find(at, i);
 	SYNC();
-	pairs_count(at);
+	rows_sort(at);
 	if (block->status != KERNEL_OK)
 		return;
-	FOR_THREADS(i, n) pairs_write(at, i);
-	SYNC();
+	rows_move(at);
+	for (int level = 0; level < block->head.levels; level++)
+		pairs_write(at, level);
 	entries_write(at);
-	FOR_THREADS(p, block->head.n_pairs)
-	{
-		real a = mass[pair_i[p]], b = mass[pair_j[p]];
-		damping[p] = (real32)(factor * real_sqrt(a * b / (a + b)));
-	}
 	slots_clear(at);
-	SYNC();
 }

@@ -9,7 +9,8 @@ BLOCKFN void move(const struct rve_place *at)
 	const real gxx = block->H_inv[0] * dt, gxy = block->H_inv[1] * dt;
 	const real gyx = block->H_inv[2] * dt, gyy = block->H_inv[3] * dt;
 	SYNC();
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		SHARED real *H = block->head.H;
 		const real *A = call->A;
 		real xx = A[0] * H[0] + A[1] * H[2], xy = A[0] * H[1] + A[1] * H[3];
@@ -21,9 +22,9 @@ BLOCKFN void move(const struct rve_place *at)
 	}
 	FOR_THREADS(lane, LANES) { block->lanes[LANE_DISPLACEMENT][lane] = 0.0, block->lanes[LANE_SECOND][lane] = 0.0; }
 	SYNC();
-	LOCAL real *sx = WORK_DISC(WORK_SX), *sy = WORK_DISC(WORK_SY);
-	LOCAL real *vx = WORK_DISC(WORK_VX), *vy = WORK_DISC(WORK_VY);
-	GLOBAL const real *mass = TABLE(TABLE_MASS);
+	LOCAL real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY);
+	LOCAL real *vx = WORK_ROW(WORK_VX), *vy = WORK_ROW(WORK_VY);
+	LOCAL const real *mass = WORK_ROW(WORK_MASS);
 	GLOBAL const real32 *ref_x = STATE_DISC32(DISC32_REF_X), *ref_y = STATE_DISC32(DISC32_REF_Y);
 	SHARED real *most = block->lanes[LANE_DISPLACEMENT], *second = block->lanes[LANE_SECOND];
 	SHARED real *kinetic_work = block->lanes[LANE_KINETIC_WORK];
@@ -52,8 +53,9 @@ BLOCKFN void move(const struct rve_place *at)
 	SYNC();
 }
 
-/* Forces of all pairs into their slots.  `last`: also everything that the homogenisation needs. */
-BLOCKFN void contacts(const struct rve_place *at, const int last)
+/* Forces of the pairs of one level: added up for i, left in the pair's slot for j.  `last`: also everything that the
+ * homogenisation needs. */
+BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, const int last)
 {
 	SHARED struct rve_block *block = at->block;
 	const struct rve_constants *constants = at->constants;
@@ -64,59 +66,60 @@ BLOCKFN void contacts(const struct rve_place *at, const int last)
 	const real still = at->call->sub_steps > 0 ? 1.0 : 0.0; /* 0: measured without motion */
 	const real step = dt * still;
 	const real dxx = at->call->D[0] * still, dyy = at->call->D[1] * still, dxy = at->call->D[2] * still;
-	const int n_pairs = block->head.n_pairs;
-	LOCAL const int *pair_i = WORK_PAIR_INDEX(WORK_I), *pair_j = WORK_PAIR_INDEX(WORK_J);
-	LOCAL const real *sx = WORK_DISC(WORK_SX), *sy = WORK_DISC(WORK_SY);
-	LOCAL const real *vx = WORK_DISC(WORK_VX), *vy = WORK_DISC(WORK_VY), *w = WORK_DISC(WORK_W);
-	GLOBAL const real *radius = TABLE(TABLE_R);
-	GLOBAL const real32 *damping = STATE_DAMPING;
-	GLOBAL real32 *dashpot_force = STATE_FD;
-	LOCAL real *tangential = WORK_PAIR(WORK_FT), *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY);
-	LOCAL real *slot_t = WORK_PAIR(WORK_T);
-	const int to_j = at->layout->pair_stride; /* the pair acts on j as it does on i, turned round */
+	const int first = block->head.level_first[level], rows = block->head.level_first[level + 1] - first;
+	LOCAL const int *pair_j = WORK_PAIR_INDEX(WORK_J) + first;
+	LOCAL const real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY);
+	LOCAL const real *vx = WORK_ROW(WORK_VX), *vy = WORK_ROW(WORK_VY), *w = WORK_ROW(WORK_W);
+	LOCAL const real *radius = WORK_ROW(WORK_R);
+	LOCAL real *force_x = WORK_ROW(WORK_FX), *force_y = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
+	GLOBAL const real32 *damping = STATE_DAMPING + first;
+	GLOBAL real32 *dashpot_force = STATE_FD + first;
+	LOCAL real *tangential = WORK_PAIR(WORK_FT) + first;
+	LOCAL real *slot_x = WORK_PAIR(WORK_PX) + first, *slot_y = WORK_PAIR(WORK_PY) + first,
+			   *slot_t = WORK_PAIR(WORK_TJ) + first;
 	SHARED real(*sum)[LANES] = block->lanes;
 
-	for (int base = 0; base < n_pairs; base += LANES) {
-		const int count = n_pairs - base < LANES ? n_pairs - base : LANES;
+	for (int base = 0; base < rows; base += LANES) {
+		const int count = rows - base < LANES ? rows - base : LANES;
 		FOR_THREADS(lane, count)
 		{
-			const int p = base + lane, i = pair_i[p], j = pair_j[p];
+			const int i = base + lane, j = pair_j[i];
 			/* branch to the nearest image: unique while the cell is wide enough (neighbours_build) */
 			real ax = sx[j] - sx[i], ay = sy[j] - sy[i];
 			ax -= real_nearest(ax);
 			ay -= real_nearest(ay);
 			real bx = hxx * ax + hxy * ay, by = hyx * ax + hyy * ay;
-			real length = real_sqrt(bx * bx + by * by), inverse = 1.0 / length;
+			real length = real_sqrt(real_max(bx * bx + by * by, 1e-60)),
+				 inverse = 1.0 / length; /* the ghost may coincide */
 			real nx = bx * inverse, ny = by * inverse;
 			real ri = radius[i] * scale, rj = radius[j] * scale;
 			real overlap = ri + rj - length, half = 0.5 * overlap;
 			/* relative displacement in this sub-step: fluctuations and stretching, without the rotation */
 			real ex = dxx * bx + dxy * by, ey = dxy * bx + dyy * by;
 			real ux = (vx[j] - vx[i]) * step + ex, uy = (vy[j] - vy[i]) * step + ey;
-			real spin = (ri - half) * w[i] + (rj - half) * w[j];
+			real ai = ri - half, aj = rj - half, spin = ai * w[i] + aj * w[j];
 			real un = ux * nx + uy * ny, ut = uy * nx - ux * ny - spin * step;
 			/* normal force: spring and dashpot, never pulling */
 			real spring = kn * real_max(overlap, 0.0);
-			real pushed = real_max(spring - (real)damping[p] * un, 0.0);
+			real pushed = real_max(spring - (real)damping[i] * un, 0.0);
 			real fn = overlap > 0.0 ? pushed : 0.0;
-			real fd = fn - spring, fd_old = (real)dashpot_force[p];
+			real fd = fn - spring, fd_old = (real)dashpot_force[i];
 			/* tangential force: spring up to the Coulomb limit; the rest of the displacement slips */
-			real cap = mu * fn, ft_old = tangential[p], trial = ft_old - ks * ut;
+			real cap = mu * fn, ft_old = tangential[i], trial = ft_old - ks * ut;
 			real ft = real_max(real_min(trial, cap), -cap);
-			real slip = (ft_old + ft) * (trial - ft);
 			real fx = fn * nx - ft * ny, fy = fn * ny + ft * nx;
-			tangential[p] = ft;
-			dashpot_force[p] = (real32)fd;
-			slot_x[p] = -fx;
-			slot_y[p] = -fy;
-			slot_t[p] = (half - ri) * ft;
-			slot_x[p + to_j] = fx;
-			slot_y[p + to_j] = fy;
-			slot_t[p + to_j] = (half - rj) * ft;
+			tangential[i] = ft;
+			dashpot_force[i] = (real32)fd;
+			force_x[i] -= fx;
+			force_y[i] -= fy;
+			torque[i] -= ai * ft;
+			slot_x[i] = fx;
+			slot_y[i] = fy;
+			slot_t[i] = aj * ft;
 			sum[LANE_WORK][lane] -= fx * ex + fy * ey;
 			sum[LANE_EXPANSION][lane] += spring * (radius[i] + radius[j]);
-			sum[LANE_FRICTION][lane] += slip * half_compliance;
-			sum[LANE_DASHPOT][lane] -= 0.5 * (fd_old + fd) * un;
+			sum[LANE_FRICTION][lane] += (ft_old + ft) * (trial - ft);
+			sum[LANE_DASHPOT][lane] -= (fd_old + fd) * un;
 			if (last) {
 				real touching = overlap > 0.0 ? 1.0 : 0.0;
 				real l = touching * length, ll = l * length;
@@ -138,46 +141,47 @@ BLOCKFN void contacts(const struct rve_place *at, const int last)
 				sum[LANE_CONTACTS][lane] += touching;
 				sum[LANE_SLIDING][lane] += (fn > 0.0 ? 1.0 : 0.0) * (ft_size >= cap ? 1.0 : 0.0);
 				sum[LANE_FORCE][lane] += fn;
-				sum[LANE_OVERLAP][lane] = real_max(overlap / real_min(ri, rj), sum[LANE_OVERLAP][lane]);
+				sum[LANE_OVERLAP][lane] = real_max(touching * overlap / real_min(ri, rj), sum[LANE_OVERLAP][lane]);
 			}
 		}
 	}
 	SYNC();
 }
 
-BLOCKFN void contacts_sub_step(const struct rve_place *at) { contacts(at, 0); }
-BLOCKFN void contacts_last_sub_step(const struct rve_place *at) { contacts(at, 1); }
-BLOCKFN void contacts_measure(const struct rve_place *at) { contacts(at, 1); }
-
-/* Force and torque of every disc: the slots of its pairs, level by level, in a fixed order. */
-BLOCKFN void forces_gather(const struct rve_place *at)
+/* Forces and torques of all discs. */
+BLOCKFN void contacts(const struct rve_place *at, const int last)
 {
-	LOCAL real *fx = WORK_DISC(WORK_FX), *fy = WORK_DISC(WORK_FY), *torque = WORK_DISC(WORK_TORQUE);
-	LOCAL const real *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY), *slot_t = WORK_PAIR(WORK_T);
-	FOR_THREADS(i, at->layout->n) { fx[i] = 0.0, fy[i] = 0.0, torque[i] = 0.0; }
-	for (int level = 0; level < at->block->head.levels; level++) {
-		LOCAL const int *entry = WORK_ENTRY(level);
-		const int n = at->block->head.level_discs[level];
-		FOR_THREADS(i, n)
-		{
-			fx[i] += slot_x[entry[i]];
-			fy[i] += slot_y[entry[i]];
-			torque[i] += slot_t[entry[i]];
-		}
-	}
+	SHARED const struct rve_head *head = &at->block->head;
+	LOCAL real *fx = WORK_ROW(WORK_FX), *fy = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
+	FOR_THREADS(i, at->layout->stride) { fx[i] = 0.0, fy[i] = 0.0, torque[i] = 0.0; }
 	SYNC();
+	for (int level = 0; level < head->levels; level++)
+		contacts_of_level(at, level, last);
+	LOCAL const real *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY), *slot_t = WORK_PAIR(WORK_TJ);
+	for (int level = 0; level < head->entry_levels; level++) {
+		const int first = head->entry_first[level];
+		LOCAL const int *entry = WORK_ENTRY(level) + first;
+		LOCAL real *x = fx + first, *y = fy + first, *t = torque + first;
+		FOR_THREADS(i, at->layout->n - first)
+		{
+			x[i] += slot_x[entry[i]];
+			y[i] += slot_y[entry[i]];
+			t[i] -= slot_t[entry[i]];
+		}
+		SYNC();
+	}
 }
+
+BLOCKFN void contacts_sub_step(const struct rve_place *at) { contacts(at, 0); }
+BLOCKFN void contacts_last(const struct rve_place *at) { contacts(at, 1); }
 
 BLOCKFN void kick(const struct rve_place *at)
 {
-	SHARED struct rve_block *block = at->block;
 	const real dt = at->constants->dt;
-	LOCAL real *vx = WORK_DISC(WORK_VX), *vy = WORK_DISC(WORK_VY), *w = WORK_DISC(WORK_W);
-	LOCAL real *rotation = WORK_DISC(WORK_ROTATION);
-	LOCAL const real *fx = WORK_DISC(WORK_FX), *fy = WORK_DISC(WORK_FY), *torque = WORK_DISC(WORK_TORQUE);
-	GLOBAL const real *dt_mass = TABLE(TABLE_DT_MASS), *dt_inertia = TABLE(TABLE_DT_INERTIA);
-	SYNC();
-	(void)block;
+	LOCAL real *vx = WORK_ROW(WORK_VX), *vy = WORK_ROW(WORK_VY), *w = WORK_ROW(WORK_W);
+	LOCAL real *rotation = WORK_ROW(WORK_ROTATION);
+	LOCAL const real *fx = WORK_ROW(WORK_FX), *fy = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
+	LOCAL const real *dt_mass = WORK_ROW(WORK_DT_MASS), *dt_inertia = WORK_ROW(WORK_DT_INERTIA);
 	FOR_THREADS(i, at->layout->n)
 	{
 		vx[i] += fx[i] * dt_mass[i];
@@ -192,10 +196,10 @@ BLOCKFN void kick(const struct rve_place *at)
 BLOCKFN void discs_measure(const struct rve_place *at)
 {
 	SHARED real(*sum)[LANES] = at->block->lanes;
-	LOCAL const real *vx = WORK_DISC(WORK_VX), *vy = WORK_DISC(WORK_VY), *w = WORK_DISC(WORK_W);
-	LOCAL const real *fx = WORK_DISC(WORK_FX), *fy = WORK_DISC(WORK_FY), *torque = WORK_DISC(WORK_TORQUE);
-	GLOBAL const real *dt_mass = TABLE(TABLE_DT_MASS), *mass = TABLE(TABLE_MASS);
-	GLOBAL const real *dt_inertia = TABLE(TABLE_DT_INERTIA);
+	LOCAL const real *vx = WORK_ROW(WORK_VX), *vy = WORK_ROW(WORK_VY), *w = WORK_ROW(WORK_W);
+	LOCAL const real *fx = WORK_ROW(WORK_FX), *fy = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
+	LOCAL const real *dt_mass = WORK_ROW(WORK_DT_MASS), *mass = WORK_ROW(WORK_MASS);
+	LOCAL const real *dt_inertia = WORK_ROW(WORK_DT_INERTIA);
 	const real dt = at->constants->dt;
 	for (int base = 0; base < at->layout->n; base += LANES) {
 		const int count = at->layout->n - base < LANES ? at->layout->n - base : LANES;
@@ -222,7 +226,8 @@ BLOCKFN void lanes_sum(SHARED struct rve_block *block)
 		for (int q = 0; q < LANE_SUMS; q++)
 			FOR_THREADS(lane, width) block->lanes[q][lane] += block->lanes[q][lane + width];
 		FOR_THREADS(lane, width)
-		block->lanes[LANE_OVERLAP][lane] = real_max(block->lanes[LANE_OVERLAP][lane + width], block->lanes[LANE_OVERLAP][lane]);
+		block->lanes[LANE_OVERLAP][lane] =
+			real_max(block->lanes[LANE_OVERLAP][lane + width], block->lanes[LANE_OVERLAP][lane]);
 		SYNC();
 	}
 }
@@ -241,11 +246,10 @@ THREADFN real stiffest(const SHARED real *C)
 BLOCKFN void homogenise(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	if (at->call->sub_steps == 0)
-		forces_gather(at);
 	discs_measure(at);
 	lanes_sum(block);
-	ONE_THREAD {
+	ONE_THREAD
+	{
 		SHARED struct rve_head *head = &block->head;
 		const struct rve_constants *c = at->constants;
 		const real *D = at->call->D;
@@ -260,8 +264,8 @@ BLOCKFN void homogenise(const struct rve_place *at)
 			head->ledger[LEDGER_WORK] += total[LANE_WORK] + total[LANE_KINETIC_WORK] + 0.5 * (final - first);
 			real grown = total[LANE_EXPANSION] + 0.5 * (head->expansion_sum - total[LANE_OVERLAP_FORCE]);
 			head->ledger[LEDGER_EXPANSION] += grown * block->scale_step;
-			head->ledger[LEDGER_FRICTION] += total[LANE_FRICTION];
-			head->ledger[LEDGER_DASHPOT] += total[LANE_DASHPOT];
+			head->ledger[LEDGER_FRICTION] += 0.5 / c->ks * total[LANE_FRICTION];
+			head->ledger[LEDGER_DASHPOT] += 0.5 * total[LANE_DASHPOT];
 		}
 		head->ledger[LEDGER_ELASTIC] = total[LANE_ELASTIC];
 		head->ledger[LEDGER_KINETIC] = total[LANE_KINETIC];
@@ -288,8 +292,8 @@ BLOCKFN void homogenise(const struct rve_place *at)
 		head->sliding = total[LANE_SLIDING];
 		head->max_overlap = total[LANE_OVERLAP];
 		head->unbalanced = total[LANE_FORCE] > 0.0
-		                       ? total[LANE_UNBALANCED] / at->layout->n * total[LANE_CONTACTS] / total[LANE_FORCE]
-		                       : 0.0;
+							   ? total[LANE_UNBALANCED] / at->layout->n * total[LANE_CONTACTS] / total[LANE_FORCE]
+							   : 0.0;
 		head->total_sub_steps += at->call->sub_steps;
 		head->sub_steps = at->call->sub_steps;
 	}

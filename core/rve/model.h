@@ -7,12 +7,10 @@
 #include "rve/state.h"
 
 typedef void rve_kernel(const struct rve_layout *, const struct rve_constants *, const struct rve_call *,
-                        GLOBAL const real *, GLOBAL unsigned char *, LOCAL unsigned char *, int *);
+						GLOBAL const real *, GLOBAL unsigned char *, LOCAL unsigned char *, int *);
 
 struct rve_variant {
 	real *table;          /* TABLE_FIELDS disc arrays */
-	int *order;           /* packing's index of each disc: the model sorts by radius, largest first, so that discs
-	                       * with many neighbours stand together and levels of entries have no holes */
 	unsigned char *start; /* the state at birth */
 	double volume;        /* m3 */
 	double solid_area;    /* m2, sum pi r^2 at the reference temperature */
@@ -23,7 +21,7 @@ struct rve_model {
 	struct rve_params params;
 	struct rve_layout layout;
 	struct rve_constants constants;
-	double diameter;      /* m, mean */
+	double diameter; /* m, mean */
 	int n_variants, n_threads;
 	struct rve_variant *variants;
 	rve_kernel *kernel;
@@ -38,9 +36,9 @@ const char *rve_isa(void);
 /* Scratch memory of a thread. */
 unsigned char *rve_scratch(const struct rve_model *model, int thread);
 
-/* sub_steps of dt_DEM in which L acts for `duration` seconds in all, and the temperature rises by dT; sub_steps = 0 measures
- * the state.  `rebuild`: the neighbour list is not valid. */
-enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4],
-                                     double dT, double duration, int sub_steps, int rebuild);
+/* sub_steps of dt_DEM in which L acts for `duration` seconds in all, and the temperature rises by dT; sub_steps = 0
+ * measures the state.  `rebuild`: the neighbour list is not valid. */
+enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,
+									 const double L[4], double dT, double duration, int sub_steps, int rebuild);
 
 #endif

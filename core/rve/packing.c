@@ -44,7 +44,8 @@ static int no_memory(void) { return error_set(STATUS_RESOURCE, "out of memory fo
 /* ---- the noise-free lattice ---- */
 
 /* Contacts of force p l z carry the pressure p of a square lattice of spacing l = 2 r - f / kn. */
-static int square_lattice(struct rve_packing **packing, const struct rve_packing_params *how, const struct rve_params *grains)
+static int square_lattice(struct rve_packing **packing, const struct rve_packing_params *how,
+						  const struct rve_params *grains)
 {
 	int side = (int)lround(sqrt((double)how->discs));
 	if (side * side != how->discs)
@@ -102,8 +103,9 @@ static int place_at_random(struct rve_packing *p, const struct rve_packing_param
 		long attempts = 0;
 		do {
 			if (attempts++ == attempts_max)
-				return error_set(STATUS_INPUT, "no room for disc %d of %d at a solid fraction of %g: wider radii or another seed",
-								 i, p->n_discs, solid_fraction);
+				return error_set(STATUS_INPUT,
+								 "no room for disc %d of %d at a solid fraction of %g: wider radii or another seed", i,
+								 p->n_discs, solid_fraction);
 			p->x[i][0] = p->H[0] * random_unit(&random);
 			p->x[i][1] = p->H[3] * random_unit(&random);
 		} while (!fits(p, i));
@@ -115,8 +117,8 @@ static int place_at_random(struct rve_packing *p, const struct rve_packing_param
 
 static double limited(double x) { return fmax(-1.0, fmin(1.0, x)); }
 
-/* The servo: a rate that grows with the error relative to the target, at most 1/s; sharper than that near the target, where
- * the cell is stiff and answers within a few turns. */
+/* The servo: a rate that grows with the error relative to the target, at most 1/s; sharper than that near the target,
+ * where the cell is stiff and answers within a few turns. */
 static double servo(double error) { return limited(2.0 * error); }
 
 /* Strains the cell at up to 1/s in each component until the stress is -p I and the discs are at rest. */
@@ -134,7 +136,8 @@ static int compress(const struct rve_model *model, unsigned char *state, double 
 	for (long long done = 0; done < sub_steps_max; done += turn) {
 		double stress[4], conductivity[3], modulus;
 		rve_evaluate(model, state, stress, conductivity, &modulus);
-		double xx = (-pressure - stress[0]) / pressure, yy = (-pressure - stress[1]) / pressure, xy = -stress[3] / pressure;
+		double xx = (-pressure - stress[0]) / pressure, yy = (-pressure - stress[1]) / pressure,
+			   xy = -stress[3] / pressure;
 		double L[4] = {slow * rate * servo(xx), slow * rate * servo(xy), 0.0, slow * rate * servo(yy)};
 		L[2] = L[1];
 		if (rve_sub_steps(model, state, scratch, L, 0.0, turn * dt, turn, 0) != KERNEL_OK)
@@ -144,7 +147,8 @@ static int compress(const struct rve_model *model, unsigned char *state, double 
 			info.n_contacts > 0 && info.unbalanced < unbalanced_tolerance)
 			return STATUS_OK;
 	}
-	return error_set(STATUS_GUARD, "the packing did not come to rest at %g Pa (unbalanced force ratio %g)", pressure, info.unbalanced);
+	return error_set(STATUS_GUARD, "the packing did not come to rest at %g Pa (unbalanced force ratio %g)", pressure,
+					 info.unbalanced);
 }
 
 /* The packing that a state is. */
@@ -179,7 +183,8 @@ static int packing_from_state(struct rve_packing **packing, const struct rve_mod
 }
 
 /* Steps that every seed shares: loose discs, a model of them, compression, the packing. */
-static int compressed(struct rve_packing **packing, struct rve_packing *loose, const struct rve_params *grains, double pressure)
+static int compressed(struct rve_packing **packing, struct rve_packing *loose, const struct rve_params *grains,
+					  double pressure)
 {
 	struct rve_model *model = NULL;
 	const struct rve_packing *const packings[1] = {loose};
@@ -195,7 +200,8 @@ static int compressed(struct rve_packing **packing, struct rve_packing *loose, c
 	return status;
 }
 
-static int random_packing(struct rve_packing **packing, const struct rve_packing_params *how, const struct rve_params *grains, double mu)
+static int random_packing(struct rve_packing **packing, const struct rve_packing_params *how,
+						  const struct rve_params *grains, double mu)
 {
 	struct rve_params consolidation = *grains;
 	consolidation.mu = mu;
@@ -219,7 +225,8 @@ static int random_packing(struct rve_packing **packing, const struct rve_packing
 }
 
 /* Friction keeps discs from sliding together: the void ratio grows with mu, with the scatter of one packing. */
-static int packing_of_void_ratio(struct rve_packing **packing, const struct rve_packing_params *how, const struct rve_params *grains)
+static int packing_of_void_ratio(struct rve_packing **packing, const struct rve_packing_params *how,
+								 const struct rve_params *grains)
 {
 	const double tolerance = 5e-4;
 	double low = 0.0, high = 1.0, reached[2] = {INFINITY, -INFINITY};
@@ -248,15 +255,20 @@ static int packing_of_void_ratio(struct rve_packing **packing, const struct rve_
 		return STATUS_OK;
 	rve_packing_free(best);
 	*packing = NULL;
-	return error_set(STATUS_INPUT, "a void ratio of %g is out of reach at %g Pa with seed %u: friction between 0 and 1 gives %.4f to %.4f",
-					 how->void_ratio, how->pressure, how->seed, reached[0], reached[1]);
+	return error_set(
+		STATUS_INPUT,
+		"a void ratio of %g is out of reach at %g Pa with seed %u: friction between 0 and 1 gives %.4f to %.4f",
+		how->void_ratio, how->pressure, how->seed, reached[0], reached[1]);
 }
 
-int rve_packing_generate(struct rve_packing **packing, const struct rve_packing_params *how, const struct rve_params *grains)
+int rve_packing_generate(struct rve_packing **packing, const struct rve_packing_params *how,
+						 const struct rve_params *grains)
 {
 	*packing = NULL;
 	if (how->discs < 16 || !(how->radius_min > 0.0) || !(how->radius_max >= how->radius_min) || !(how->pressure > 0.0))
-		return error_set(STATUS_INPUT, "a packing needs at least 16 discs, radii 0 < radius_min <= radius_max and a positive pressure");
+		return error_set(
+			STATUS_INPUT,
+			"a packing needs at least 16 discs, radii 0 < radius_min <= radius_max and a positive pressure");
 	if (how->square_lattice)
 		return square_lattice(packing, how, grains);
 	if (!isnan(how->void_ratio))

@@ -15,10 +15,23 @@ static const double pi = 3.14159265358979323846;
 
 void rve_params_default(struct rve_params *params)
 {
-	*params = (struct rve_params){
-	    .kn = 1e6, .ks = 1e6, .mu = 0.5, .damping_ratio = 0.2, .grain_density = 2650.0, .thickness = 0.075,
-	    .expansion = 1e-4, .resistance = 1e4, .step_factor = 0.4, .strain_per_step = 5e-5, .pressure_scaling = 1,
-	    .n_max = 20, .skin = 0.2, .gas = 1, .gas_pressure = 20.0, .gas_stretch = 1.12, .overlap_max = 0.5};
+	*params = (struct rve_params){.kn = 1e6,
+								  .ks = 1e6,
+								  .mu = 0.5,
+								  .damping_ratio = 0.2,
+								  .grain_density = 2650.0,
+								  .thickness = 0.075,
+								  .expansion = 1e-4,
+								  .resistance = 1e4,
+								  .step_factor = 0.4,
+								  .strain_per_step = 5e-5,
+								  .pressure_scaling = 1,
+								  .n_max = 20,
+								  .skin = 0.2,
+								  .gas = 1,
+								  .gas_pressure = 20.0,
+								  .gas_stretch = 1.12,
+								  .overlap_max = 0.5};
 }
 
 /* ---- the model ---- */
@@ -33,14 +46,15 @@ static int place_array(int *end, int bytes)
 static int layout_make(struct rve_layout *layout, int n, double skin, double r_min, double r_max)
 {
 	layout->n = n;
-	layout->stride = (n + 1 + 7) / 8 * 8;
+	layout->stride = (n + 1 + ROW_PAD - 1) / ROW_PAD * ROW_PAD; /* a ghost at least */
 	/* discs in the plane have six neighbours on average at most; a wide skin reaches the second ones */
-	layout->pairs = (int)(n * 3.0 * fmax(1.0, (2.0 + skin) * (2.0 + skin) / 4.84));
-	layout->pair_stride = (layout->pairs + 1 + 7) / 8 * 8;
 	layout->levels = 3 + (int)ceil(pi * (1.0 + r_max / r_min) * (1.0 + 0.5 * skin));
+	layout->pairs = (int)(n * 3.0 * fmax(1.0, (2.0 + skin) * (2.0 + skin) / 4.84)) + ROW_PAD * layout->levels;
+	layout->pair_stride = (layout->pairs + 1 + 7) / 8 * 8;
 	layout->grid = (int)sqrt((double)n);
-	if (2 * layout->pair_stride > UINT16_MAX)
-		return error_set(STATUS_INPUT, "an RVE of %d discs: too many, at most %d", n, (int)((long)n * (UINT16_MAX / 2) / layout->pair_stride));
+	if (layout->pair_stride > UINT16_MAX)
+		return error_set(STATUS_INPUT, "an RVE of %d discs: too many, at most %d", n,
+						 (int)((long)n * UINT16_MAX / layout->pair_stride));
 	if (layout->levels > RVE_LEVELS_MAX)
 		return error_set(STATUS_INPUT, "radii from %g to %g m: the ratio is too wide, at most about 9", r_min, r_max);
 	int end = sizeof(struct rve_head);
@@ -49,9 +63,8 @@ static int layout_make(struct rve_layout *layout, int n, double skin, double r_m
 	layout->ft = place_array(&end, (int)sizeof(real) * layout->pairs);
 	layout->fd = place_array(&end, (int)sizeof(real32) * layout->pairs);
 	layout->damping = place_array(&end, (int)sizeof(real32) * layout->pairs);
-	layout->pair_i = place_array(&end, (int)sizeof(index16) * layout->pairs);
 	layout->pair_j = place_array(&end, (int)sizeof(index16) * layout->pairs);
-	layout->first = place_array(&end, (int)sizeof(index16) * layout->stride);
+	layout->id = place_array(&end, (int)sizeof(index16) * layout->stride);
 	layout->flag = place_array(&end, layout->pairs);
 	layout->entry = place_array(&end, (int)sizeof(index16) * layout->levels * layout->stride);
 	layout->bytes = (end + 63) / 64 * 64;
@@ -59,40 +72,30 @@ static int layout_make(struct rve_layout *layout, int n, double skin, double r_m
 	return STATUS_OK;
 }
 
-/* Largest first, packing's order among equals. */
-static const double *sort_radius;
-static int by_radius(const void *a, const void *b)
-{
-	int i = *(const int *)a, j = *(const int *)b;
-	if (sort_radius[i] != sort_radius[j])
-		return sort_radius[i] > sort_radius[j] ? -1 : 1;
-	return (i > j) - (i < j);
-}
-
-static int variant_tables(struct rve_model *model, struct rve_variant *variant, const struct rve_packing *packing)
+static int variant_tables(const struct rve_model *model, struct rve_variant *variant, const struct rve_packing *packing)
 {
 	const struct rve_layout *layout = &model->layout;
 	size_t table_bytes = sizeof(real) * TABLE_FIELDS * (size_t)layout->stride;
-	variant->order = malloc(sizeof(int) * (size_t)layout->n);
 	variant->table = aligned_alloc(64, (table_bytes + 63) / 64 * 64);
 	variant->start = aligned_alloc(64, (size_t)layout->bytes);
-	if (!variant->order || !variant->table || !variant->start)
+	if (!variant->table || !variant->start)
 		return error_set(STATUS_RESOURCE, "out of memory for an RVE of %d discs", layout->n);
 	memset(variant->table, 0, table_bytes);
 	memset(variant->start, 0, (size_t)layout->bytes);
-	for (int i = 0; i < layout->n; i++)
-		variant->order[i] = i;
-	sort_radius = packing->r;
-	qsort(variant->order, (size_t)layout->n, sizeof(int), by_radius);
 	variant->solid_area = 0.0;
 	for (int i = 0; i < layout->n; i++) {
-		double r = packing->r[variant->order[i]];
-		double area = pi * r * r, mass = model->params.grain_density * area * model->params.thickness;
+		double r = packing->r[i], area = pi * r * r,
+			   mass = model->params.grain_density * area * model->params.thickness;
 		variant->solid_area += area;
 		variant->table[TABLE_R * layout->stride + i] = r;
 		variant->table[TABLE_MASS * layout->stride + i] = mass;
 		variant->table[TABLE_DT_MASS * layout->stride + i] = model->constants.dt / mass;
 		variant->table[TABLE_DT_INERTIA * layout->stride + i] = model->constants.dt / (0.5 * mass * r * r);
+	}
+	for (int i = layout->n; i < layout->stride;
+		 i++) { /* the ghost: so small that it touches nothing, and does not move */
+		variant->table[TABLE_R * layout->stride + i] = -1e6;
+		variant->table[TABLE_MASS * layout->stride + i] = 1.0;
 	}
 	variant->volume = mat2_determinant(packing->H) * model->params.thickness;
 	variant->void_ratio = mat2_determinant(packing->H) / variant->solid_area - 1.0;
@@ -106,22 +109,22 @@ static real *state_discs(const struct rve_layout *layout, const void *state, int
 	return (real *)((unsigned char *)(uintptr_t)state + layout->disc) + field * layout->stride;
 }
 
-/* Tangential forces of a packing's contacts, put where the state's pairs are. */
-static void variant_forces(const struct rve_layout *layout, struct rve_variant *variant, const struct rve_packing *packing, int *rank)
+/* Tangential forces of a packing's contacts, put where the state's pairs are; the same seen from either disc. */
+static void variant_forces(const struct rve_layout *layout, struct rve_variant *variant,
+						   const struct rve_packing *packing)
 {
 	const struct rve_head *head = head_of(variant->start);
-	const index16 *pair_i = (const index16 *)(variant->start + layout->pair_i);
-	const index16 *pair_j = (const index16 *)(variant->start + layout->pair_j);
+	const index16 *pair_j = (const index16 *)(variant->start + layout->pair_j),
+				  *id = (const index16 *)(variant->start + layout->id);
 	real *ft = (real *)(variant->start + layout->ft);
-	for (int i = 0; i < layout->n; i++)
-		rank[variant->order[i]] = i;
-	for (int c = 0; c < packing->n_contacts; c++) {
-		int a = rank[packing->pair[c][0]], b = rank[packing->pair[c][1]];
-		int i = a < b ? a : b, j = a < b ? b : a;
-		for (int p = 0; p < head->n_pairs; p++)
-			if (pair_i[p] == i && pair_j[p] == j)
-				ft[p] = packing->ft[c]; /* the same seen from either disc */
-	}
+	for (int level = 0; level < head->levels; level++)
+		for (int row = 0; row < head->level_rows[level]; row++) {
+			int p = head->level_first[level] + row, a = id[row], b = id[pair_j[p]];
+			for (int c = 0; c < packing->n_contacts; c++)
+				if ((packing->pair[c][0] == a && packing->pair[c][1] == b) ||
+					(packing->pair[c][0] == b && packing->pair[c][1] == a))
+					ft[p] = packing->ft[c];
+		}
 }
 
 static int variant_start(struct rve_model *model, int number, const struct rve_packing *packing)
@@ -136,31 +139,37 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	mat2_identity(head->F);
 	head->variant = number;
 	for (int i = 0; i < layout->n; i++) {
-		const double *x = packing->x[variant->order[i]];
+		const double *x = packing->x[i];
+		((index16 *)(variant->start + layout->id))[i] = (index16)i;
 		state_discs(layout, variant->start, DISC_SX)[i] = inverse[0] * x[0] + inverse[1] * x[1];
 		state_discs(layout, variant->start, DISC_SY)[i] = inverse[2] * x[0] + inverse[3] * x[1];
 	}
+	for (int i = layout->n; i < layout->stride; i++)
+		((index16 *)(variant->start + layout->id))[i] = (index16)layout->n;
 	unsigned char *scratch = rve_scratch(model, 0);
 	int status = rve_sub_steps(model, variant->start, scratch, rest, 0.0, 0.0, 0, 1);
 	if (status == KERNEL_SLENDER)
-		return error_set(STATUS_INPUT, "the packing's cell is narrower than twice a disc's reach (%g m): more discs, "
-		                 "closer radii or a smaller skin", 4.0 * model->constants.r_max + 2.0 * model->constants.skin);
+		return error_set(STATUS_INPUT,
+						 "the packing's cell is narrower than twice a disc's reach (%g m): more discs, "
+						 "closer radii or a smaller skin",
+						 4.0 * model->constants.r_max + 2.0 * model->constants.skin);
 	if (status != KERNEL_OK)
 		return error_set(STATUS_INPUT, "the packing's discs overlap too much to be neighbours");
-	variant_forces(layout, variant, packing, (int *)scratch);
+	variant_forces(layout, variant, packing);
 	rve_sub_steps(model, variant->start, scratch, rest, 0.0, 0.0, 0, 0);
 	head->ledger[LEDGER_WORK] = head->ledger[LEDGER_ELASTIC] + head->ledger[LEDGER_KINETIC];
 	head->rebuilds = 0;
 	return STATUS_OK;
 }
 
-static int model_fill(struct rve_model *model, const struct rve_params *params, int n, const struct rve_packing *const *packings)
+static int model_fill(struct rve_model *model, const struct rve_params *params, int n,
+					  const struct rve_packing *const *packings)
 {
 	double r_min = INFINITY, r_max = 0.0, r_sum = 0.0;
 	for (int v = 0; v < n; v++) {
 		if (packings[v]->n_discs != packings[0]->n_discs)
 			return error_set(STATUS_INPUT, "packings of %d and %d discs in one law: variants need equal numbers",
-			                 packings[0]->n_discs, packings[v]->n_discs);
+							 packings[0]->n_discs, packings[v]->n_discs);
 		for (int i = 0; i < packings[v]->n_discs; i++) {
 			r_min = fmin(r_min, packings[v]->r[i]);
 			r_max = fmax(r_max, packings[v]->r[i]);
@@ -171,10 +180,16 @@ static int model_fill(struct rve_model *model, const struct rve_params *params, 
 	double mass_min = params->grain_density * params->thickness * pi * r_min * r_min;
 	double dt = params->step_factor * sqrt(mass_min / params->kn);
 	model->diameter = 2.0 * r_sum / ((double)n * discs);
-	model->constants = (struct rve_constants){
-	    .kn = params->kn, .ks = params->ks, .mu = params->mu, .expansion = params->expansion,
-	    .resistance = params->resistance, .thickness = params->thickness, .dt = dt, .r_max = r_max,
-	    .skin = params->skin * r_max, .damping = 2.0 * params->damping_ratio * sqrt(params->kn) / dt};
+	model->constants = (struct rve_constants){.kn = params->kn,
+											  .ks = params->ks,
+											  .mu = params->mu,
+											  .expansion = params->expansion,
+											  .resistance = params->resistance,
+											  .thickness = params->thickness,
+											  .dt = dt,
+											  .r_max = r_max,
+											  .skin = params->skin * r_max,
+											  .damping = 2.0 * params->damping_ratio * sqrt(params->kn) / dt};
 	CHECK(layout_make(&model->layout, discs, params->skin, r_min, r_max));
 	model->scratch_stride = (size_t)(model->layout.scratch + model->layout.bytes);
 	model->scratch = aligned_alloc(64, model->scratch_stride * (size_t)model->n_threads);
@@ -189,7 +204,8 @@ static int model_fill(struct rve_model *model, const struct rve_params *params, 
 	return STATUS_OK;
 }
 
-int rve_model_create(struct rve_model **model, const struct rve_params *params, int n, const struct rve_packing *const *packings)
+int rve_model_create(struct rve_model **model, const struct rve_params *params, int n,
+					 const struct rve_packing *const *packings)
 {
 	*model = calloc(1, sizeof **model);
 	if (!*model)
@@ -217,7 +233,6 @@ void rve_model_free(struct rve_model *model)
 		return;
 	for (int v = 0; v < model->n_variants; v++) {
 		free(model->variants[v].table);
-		free(model->variants[v].order);
 		free(model->variants[v].start);
 	}
 	free(model->variants);
@@ -245,8 +260,8 @@ int rve_init(const struct rve_model *model, int variant, void *state)
 
 /* ---- one RVE through one call ---- */
 
-enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4],
-                                     double dT, double duration, int sub_steps, int rebuild)
+enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,
+									 const double L[4], double dT, double duration, int sub_steps, int rebuild)
 {
 	struct rve_call call = {.sub_steps = sub_steps, .rebuild = rebuild};
 	double h = sub_steps > 0 ? duration / sub_steps : 0.0;
@@ -258,7 +273,8 @@ enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state,
 	call.B[0] -= call.D[0], call.B[1] -= call.D[2], call.B[2] -= call.D[2], call.B[3] -= call.D[1];
 	call.heating = sub_steps > 0 ? dT / sub_steps : 0.0;
 	int status = KERNEL_OK;
-	model->kernel(&model->layout, &model->constants, &call, model->variants[head_of(state)->variant].table, state, scratch, &status);
+	model->kernel(&model->layout, &model->constants, &call, model->variants[head_of(state)->variant].table, state,
+				  scratch, &status);
 	return (enum rve_kernel_status)status;
 }
 
@@ -269,7 +285,10 @@ struct rve_outcome {
 
 static double pressure_of(const struct rve_head *head) { return -0.5 * (head->stress[0] + head->stress[1]); }
 
-static double stored_energy(const struct rve_head *head) { return head->ledger[LEDGER_ELASTIC] + head->ledger[LEDGER_KINETIC]; }
+static double stored_energy(const struct rve_head *head)
+{
+	return head->ledger[LEDGER_ELASTIC] + head->ledger[LEDGER_KINETIC];
+}
 
 static double principal_rate(const double L[4])
 {
@@ -293,10 +312,12 @@ static int choose_sub_steps(const struct rve_params *params, struct rve_head *he
 
 static void count_inertia(const struct rve_model *model, struct rve_head *head, double strain_per_step)
 {
-	static const double bounds[RVE_INERTIA_BINS - 1] = {1e-6, 3.1622776601683795e-6, 1e-5, 3.1622776601683795e-5, 1e-4,
-	    3.1622776601683795e-4, 1e-3, 3.1622776601683795e-3, 1e-2, 3.1622776601683795e-2, 1e-1};
+	static const double bounds[RVE_INERTIA_BINS - 1] = {1e-6, 3.1622776601683795e-6, 1e-5, 3.1622776601683795e-5,
+														1e-4, 3.1622776601683795e-4, 1e-3, 3.1622776601683795e-3,
+														1e-2, 3.1622776601683795e-2, 1e-1};
 	double pressure = fmax(pressure_of(head), 1.0); /* Pa; a cell without stress counts as 1 Pa */
-	head->inertial_number = strain_per_step / model->constants.dt * model->diameter * sqrt(model->params.grain_density / pressure);
+	head->inertial_number =
+		strain_per_step / model->constants.dt * model->diameter * sqrt(model->params.grain_density / pressure);
 	int bin = 0;
 	while (bin < RVE_INERTIA_BINS - 1 && head->inertial_number >= bounds[bin])
 		bin++;
@@ -334,7 +355,8 @@ static void gas_leave(const struct rve_model *model, void *state, unsigned char 
 	head->ledger[LEDGER_DISCARDED] -= stored_energy(head);
 }
 
-/* A cell that can be deformed no further, or has been pulled apart, gives way to the start packing at the same volume. */
+/* A cell that can be deformed no further, or has been pulled apart, gives way to the start packing at the same volume.
+ */
 static int reseed(const struct rve_model *model, void *state, unsigned char *scratch)
 {
 	static const double rest[4] = {0};
@@ -393,7 +415,8 @@ static void frozen_advance(const struct rve_model *model, void *state, const dou
 }
 
 /* The cell cannot follow this call: a fresh one if it carries nothing, else it stays as it was before. */
-static int slender(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4], double dT, double dt)
+static int slender(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4], double dT,
+				   double dt)
 {
 	struct rve_head *head = head_of(state);
 	if (pressure_of(head) < model->params.gas_pressure && mat2_determinant(head->F) >= 1.0) {
@@ -411,7 +434,8 @@ static int nearly_slender(const struct rve_model *model, const struct rve_head *
 {
 	const double *H = head->H;
 	double longest = sqrt(fmax(H[0] * H[0] + H[2] * H[2], H[1] * H[1] + H[3] * H[3]));
-	double reach = 2.0 * model->constants.r_max * (1.0 + model->constants.expansion * head->temperature) + model->constants.skin;
+	double reach =
+		2.0 * model->constants.r_max * (1.0 + model->constants.expansion * head->temperature) + model->constants.skin;
 	return mat2_determinant(H) / longest < 3.0 * reach * exp(2.0 * strain);
 }
 
@@ -433,8 +457,8 @@ static struct rve_outcome spoilt(struct rve_head *head)
 	return (struct rve_outcome){OUTCOME_CROWDED, head->max_overlap};
 }
 
-static struct rve_outcome advance_one(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4],
-                                      double dT, double dt)
+static struct rve_outcome advance_one(const struct rve_model *model, void *state, unsigned char *scratch,
+									  const double L[4], double dT, double dt)
 {
 	struct rve_head *head = head_of(state);
 	const double strain_most = 1.0; /* in one call: far beyond what any time step should bring */
@@ -478,7 +502,7 @@ static struct rve_outcome advance_one(const struct rve_model *model, void *state
 		return spoilt(head);
 	double stretch = mat2_determinant(head->H) * model->params.thickness / model->variants[head->variant].volume;
 	if (model->params.gas && !(head->flags & RVE_FROZEN) && pressure_of(head) < model->params.gas_pressure &&
-	    stretch > model->params.gas_stretch)
+		stretch > model->params.gas_stretch)
 		gas_enter(head);
 	return check_state(model, head);
 }
@@ -487,21 +511,34 @@ static int report_failure(const struct rve_params *params, int k, struct rve_out
 {
 	switch (outcome.kind) {
 	case OUTCOME_OVERLAP:
-		return error_set(STATUS_GUARD, "RVE %d: discs overlap by %.3g of the smaller radius, limit %g: the material is squeezed "
-		                 "beyond what the contacts describe; a smaller time step, a smaller strain_per_step, a larger n_max or "
-		                 "stiffer contacts help", k, outcome.value, params->overlap_max);
+		return error_set(
+			STATUS_GUARD,
+			"RVE %d: discs overlap by %.3g of the smaller radius, limit %g: the material is squeezed "
+			"beyond what the contacts describe; a smaller time step, a smaller strain_per_step, a larger n_max or "
+			"stiffer contacts help",
+			k, outcome.value, params->overlap_max);
 	case OUTCOME_RATE:
-		return error_set(STATUS_GUARD, "RVE %d: the velocity gradient or the heating is not finite (%g 1/s): the motion around it has "
-		                 "become unstable; a smaller time step helps", k, outcome.value);
+		return error_set(
+			STATUS_GUARD,
+			"RVE %d: the velocity gradient or the heating is not finite (%g 1/s): the motion around it has "
+			"become unstable; a smaller time step helps",
+			k, outcome.value);
 	case OUTCOME_STRAIN:
-		return error_set(STATUS_GUARD, "RVE %d: strained by %.3g in one step, at most 1 makes sense: the motion around it has become "
-		                 "unstable; a smaller time step helps", k, outcome.value);
+		return error_set(STATUS_GUARD,
+						 "RVE %d: strained by %.3g in one step, at most 1 makes sense: the motion around it has become "
+						 "unstable; a smaller time step helps",
+						 k, outcome.value);
 	case OUTCOME_CROWDED:
-		return error_set(STATUS_GUARD, "RVE %d: more neighbours than discs side by side can have (overlap %.3g of the smaller radius): "
-		                 "a smaller time step or a smaller strain_per_step helps", k, outcome.value);
+		return error_set(
+			STATUS_GUARD,
+			"RVE %d: more neighbours than discs side by side can have (overlap %.3g of the smaller radius): "
+			"a smaller time step or a smaller strain_per_step helps",
+			k, outcome.value);
 	default:
-		return error_set(STATUS_GUARD, "RVE %d: the stress is not a number: the discs' motion has become unstable; a smaller "
-		                 "step_factor (now %g, at most about 0.5) helps", k, params->step_factor);
+		return error_set(STATUS_GUARD,
+						 "RVE %d: the stress is not a number: the discs' motion has become unstable; a smaller "
+						 "step_factor (now %g, at most about 0.5) helps",
+						 k, params->step_factor);
 	}
 }
 
@@ -516,7 +553,7 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 		const struct rve_head *head = head_of(state);
 		double friction = head->ledger[LEDGER_FRICTION];
 		struct rve_outcome outcome =
-		    advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch->L[k], batch->dT[k], batch->dt);
+			advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch->L[k], batch->dT[k], batch->dt);
 		double volume = mat2_determinant(head->H) * model->params.thickness;
 		batch->heat[k] = batch->dt > 0.0 ? (head->ledger[LEDGER_FRICTION] - friction) / (volume * batch->dt) : 0.0;
 		memcpy(batch->stress[k], head->stress, sizeof head->stress);
@@ -533,7 +570,8 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 	return batch->failed < 0 ? STATUS_OK : report_failure(&model->params, batch->failed, worst);
 }
 
-void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3], double *modulus)
+void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3],
+				  double *modulus)
 {
 	(void)model;
 	const struct rve_head *head = head_of(state);
@@ -554,7 +592,7 @@ void rve_get_info(const struct rve_model *model, const void *state, struct rve_i
 	memcpy(info->F, head->F, sizeof info->F);
 	info->volume0 = variant->volume;
 	info->volume = head->flags & (RVE_GAS | RVE_FROZEN) ? mat2_determinant(head->F) * variant->volume
-	                                                    : mat2_determinant(head->H) * model->params.thickness;
+														: mat2_determinant(head->H) * model->params.thickness;
 	info->temperature = head->temperature;
 	info->void_ratio = info->volume / model->params.thickness / (variant->solid_area * scale * scale) - 1.0;
 	info->coordination = 2.0 * head->contacts / model->layout.n;

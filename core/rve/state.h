@@ -1,31 +1,48 @@
 /* Private to rve/: how the state of an RVE lies in memory, and what the kernel is told.
  *
  * A state is one block of bytes without pointers: struct rve_head, then arrays whose places are in
- * struct rve_layout.  Discs are in the model's order (largest first; see rve.c). */
+ * struct rve_layout.
+ *
+ * Discs stand in rows.  Each pair belongs to one of its two discs, its i (neighbours_find tells which); rows are
+ * sorted by how many pairs a disc owns, so that level l holds the pair number l of the discs in rows 0 .. m_l - 1
+ * side by side: the pair of row i lies in slot level_first[l] + i.  A level is filled up to a multiple of ROW_PAD with
+ * pairs to the ghost, row n, that touches nothing.  So a sub-step reads and adds up the i side in order, and only the
+ * j side through an index: entry[k][row] are the slots whose j the disc is. */
 #ifndef TMDEMPM_RVE_STATE_H
 #define TMDEMPM_RVE_STATE_H
 
 #include "rve/dialect.h"
 
-enum { RVE_LEVELS_MAX = 40, RVE_INERTIA_BINS = 12 };
+enum { RVE_LEVELS_MAX = 40, RVE_INERTIA_BINS = 12, ROW_PAD = 8 };
 
 /* Arrays over discs: `real` */
 enum { DISC_SX, DISC_SY, DISC_VX, DISC_VY, DISC_W, DISC_STATE_FIELDS };
-/* and single precision: place at the last list build (cell coordinates), non-affine displacement until then (m), rotation (rad) */
+/* and single precision: place at the last list build (cell coordinates), non-affine displacement until then (m),
+ * rotation (rad) */
 enum { DISC32_REF_X, DISC32_REF_Y, DISC32_UX, DISC32_UY, DISC32_ROTATION, DISC32_FIELDS };
-/* Constants of the discs of a packing: radius at the reference temperature (m), mass (kg), dt/m, dt/I */
+/* Constants of the discs of a packing, in its order: radius at the reference temperature (m), mass (kg), dt/m, dt/I */
 enum { TABLE_R, TABLE_MASS, TABLE_DT_MASS, TABLE_DT_INERTIA, TABLE_FIELDS };
 
 /* Ledger entries, J of the cell with its z. */
-enum { LEDGER_WORK, LEDGER_ELASTIC, LEDGER_KINETIC, LEDGER_FRICTION, LEDGER_DASHPOT, LEDGER_BOND, LEDGER_EXPANSION, LEDGER_DISCARDED, LEDGER_FIELDS };
+enum {
+	LEDGER_WORK,
+	LEDGER_ELASTIC,
+	LEDGER_KINETIC,
+	LEDGER_FRICTION,
+	LEDGER_DASHPOT,
+	LEDGER_BOND,
+	LEDGER_EXPANSION,
+	LEDGER_DISCARDED,
+	LEDGER_FIELDS
+};
 
 struct rve_head {
-	real H[4];           /* m, columns are the cell vectors a and b */
-	real H_ref[4];       /* at the last list build */
-	real F[4];           /* macroscopic deformation gradient since birth */
-	real temperature;    /* K from the reference */
-	real scale_ref;      /* radius / reference radius at the last list build */
-	real gap;            /* gas and frozen: ln(J / J when it began) */
+	real H[4];        /* m, columns are the cell vectors a and b */
+	real H_ref[4];    /* at the last list build */
+	real F[4];        /* macroscopic deformation gradient since birth */
+	real temperature; /* K from the reference */
+	real scale_ref;   /* radius / reference radius at the last list build */
+	real gap;         /* gas and frozen: ln(J / J when it began) */
 	/* of the last step */
 	real stress[4];      /* Pa */
 	real contact_sum[3]; /* J: sum sym(f b), xx yy xy */
@@ -34,9 +51,11 @@ struct rve_head {
 	real contacts, sliding, max_overlap, unbalanced, inertial_number;
 	real ledger[LEDGER_FIELDS];
 	long long total_sub_steps;
-	int n_pairs, levels;
-	index16 level_discs[RVE_LEVELS_MAX]; /* discs 0 .. level_discs[k]-1 have entries in level k */
-	unsigned inertia[RVE_INERTIA_BINS]; /* calls by inertial number */
+	int levels, entry_levels;
+	index16 level_rows[RVE_LEVELS_MAX]; /* m_l */
+	index16 level_first[RVE_LEVELS_MAX + 1];
+	index16 entry_first[RVE_LEVELS_MAX]; /* rows from here on have entries in level k */
+	unsigned inertia[RVE_INERTIA_BINS];  /* calls by inertial number */
 	int sub_steps, flags, variant, reseeded, rebuilds, clamped;
 };
 
@@ -44,7 +63,7 @@ struct rve_head {
 struct rve_layout {
 	int n;            /* discs */
 	int stride;       /* of disc arrays, in entries */
-	int pairs;        /* capacity, in pairs; also the slot that always holds zero force */
+	int pairs;        /* capacity, in slots; also the slot that always holds zero force */
 	int pair_stride;  /* of pair arrays, in entries */
 	int levels;       /* capacity: most neighbours of one disc */
 	int grid;         /* most cells of the neighbour search along one direction */
@@ -52,24 +71,24 @@ struct rve_layout {
 	int ft;           /* real: tangential force, N */
 	int fd;           /* real32: dashpot force of the last sub-step, N */
 	int damping;      /* real32: dashpot coefficient / dt, N/m */
-	int pair_i, pair_j; /* index16 */
-	int first;        /* index16[n + 1]: the pairs of disc i (as i) are first[i] .. first[i+1]-1 */
+	int pair_j;       /* index16: row */
+	int id;           /* index16[stride]: the packing's index of the disc in each row */
 	int flag;         /* unsigned char: a contact's history beyond its forces */
-	int entry;        /* index16[levels][stride]: the force slots of a disc: pair p, or p + pair_stride where it is the pair's j */
+	int entry;        /* index16[levels][stride] */
 	int bytes;        /* of a state, a multiple of 64 */
 	int scratch;      /* bytes of a block's scratch memory */
 };
 
 /* Constants of a model. */
 struct rve_constants {
-	real kn, ks, mu;  /* N/m, N/m, - */
-	real expansion;   /* 1/K */
-	real resistance;  /* K/(W m) */
-	real thickness;   /* m */
-	real dt;          /* s, dt_DEM */
-	real r_max;       /* m */
-	real skin;        /* m */
-	real damping;     /* 2 zeta sqrt(kn) / dt */
+	real kn, ks, mu; /* N/m, N/m, - */
+	real expansion;  /* 1/K */
+	real resistance; /* K/(W m) */
+	real thickness;  /* m */
+	real dt;         /* s, dt_DEM */
+	real r_max;      /* m */
+	real skin;       /* m */
+	real damping;    /* 2 zeta sqrt(kn) / dt */
 };
 
 /* One call for one RVE. */
@@ -86,12 +105,13 @@ enum rve_kernel_status { KERNEL_OK, KERNEL_SLENDER, KERNEL_CROWDED };
 
 /* Advances one RVE.  Unless the status is KERNEL_OK, the state is neither the old one nor a new one: a caller that goes
  * on from there has kept a copy.  `table` = TABLE_FIELDS disc arrays. */
-void rve_kernel_base(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
-                     GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
+void rve_kernel_base(const struct rve_layout *layout, const struct rve_constants *constants,
+					 const struct rve_call *call, GLOBAL const real *table, GLOBAL unsigned char *state,
+					 LOCAL unsigned char *scratch, int *status);
 void rve_kernel_v3(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
-                   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
+				   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
 void rve_kernel_v4(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
-                   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
+				   GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status);
 
 /* Bytes of scratch memory that a block needs. */
 int rve_kernel_scratch_bytes(const struct rve_layout *layout);

@@ -22,8 +22,13 @@ static inline struct rve_packing *case_packing(double pressure, double mu, unsig
 {
 	struct rve_params grains;
 	rve_params_default(&grains);
-	const struct rve_packing_params how = {.discs = 400, .radius_min = 0.25e-3, .radius_max = 0.5e-3, .pressure = pressure,
-										   .mu = mu, .void_ratio = NAN, .seed = seed};
+	const struct rve_packing_params how = {.discs = 400,
+										   .radius_min = 0.25e-3,
+										   .radius_max = 0.5e-3,
+										   .pressure = pressure,
+										   .mu = mu,
+										   .void_ratio = NAN,
+										   .seed = seed};
 	struct rve_packing *packing;
 	if (rve_packing_cached(&packing, &how, &grains) != STATUS_OK)
 		fail_msg("%s", error_message());
@@ -57,8 +62,15 @@ static inline void case_end(struct rve_case *c)
 /* One call; its status. */
 static inline int case_try(struct rve_case *c, const double L[4], double dT, double dt)
 {
-	struct rve_batch batch = {.n = 1, .states = c->state, .L = (const double(*)[4])L, .dT = &dT, .dt = dt, .stress = &c->stress,
-							  .heat = &c->heat, .conductivity = &c->conductivity, .modulus = &c->modulus};
+	struct rve_batch batch = {.n = 1,
+							  .states = c->state,
+							  .L = (const double(*)[4])L,
+							  .dT = &dT,
+							  .dt = dt,
+							  .stress = &c->stress,
+							  .heat = &c->heat,
+							  .conductivity = &c->conductivity,
+							  .modulus = &c->modulus};
 	return rve_advance(c->model, &batch);
 }
 

@@ -8,9 +8,9 @@
 
 #include <cmocka.h>
 
-#include "base/mat2.h"
 #include "../common/near.h"
 #include "../common/rve_case.h"
+#include "base/mat2.h"
 
 static const double rest[4] = {0};
 
@@ -69,8 +69,8 @@ static void test_energy_is_accounted_for(void **arg)
 		case_advance(&c, L, cases[k].heating, 1e-3, 100);
 		struct rve_info info = case_info(&c);
 		double off = case_residual(&info) / (info.work - start);
-		print_message("  I = %.1e, %g K: residual %.1e of the work, dashpot %.1f%%\n", info.inertial_number, info.temperature, off,
-					  100.0 * info.dashpot / (info.work - start));
+		print_message("  I = %.1e, %g K: residual %.1e of the work, dashpot %.1f%%\n", info.inertial_number,
+					  info.temperature, off, 100.0 * info.dashpot / (info.work - start));
 		assert_near(off, 0.0, cases[k].bound);
 		assert_true(info.friction > 0.5 * (info.work - start));
 		/* the heat of a call is the friction of the call */
@@ -82,14 +82,21 @@ static void test_energy_is_accounted_for(void **arg)
 	}
 }
 
-/* A square lattice of 20 x 20 discs of 5 mm: D1111 = kn / z; warmed by 50 K between fixed sides it presses by D1111 beta dT more. */
+/* A square lattice of 20 x 20 discs of 5 mm: D1111 = kn / z; warmed by 50 K between fixed sides it presses by D1111
+ * beta dT more. */
 static void test_square_lattice(void **arg)
 {
 	(void)arg;
 	struct rve_params params;
 	rve_params_default(&params);
-	const struct rve_packing_params how = {.discs = 400, .radius_min = 5e-3, .radius_max = 5e-3, .pressure = 100e3, .mu = 0.5,
-										   .void_ratio = NAN, .seed = 1, .square_lattice = 1};
+	const struct rve_packing_params how = {.discs = 400,
+										   .radius_min = 5e-3,
+										   .radius_max = 5e-3,
+										   .pressure = 100e3,
+										   .mu = 0.5,
+										   .void_ratio = NAN,
+										   .seed = 1,
+										   .square_lattice = 1};
 	struct rve_packing *packing;
 	struct rve_case c;
 	assert_int_equal(rve_packing_generate(&packing, &how, &params), STATUS_OK);
@@ -138,7 +145,8 @@ static void test_shear_strain_of_forty(void **arg)
 		ratio += c.stress[3] / case_info(&c).pressure / 4000;
 	}
 	struct rve_info info = case_info(&c);
-	double a = hypot(info.H[0], info.H[2]), b = hypot(info.H[1], info.H[3]), ab = info.H[0] * info.H[1] + info.H[2] * info.H[3];
+	double a = hypot(info.H[0], info.H[2]), b = hypot(info.H[1], info.H[3]),
+		   ab = info.H[0] * info.H[1] + info.H[2] * info.H[3];
 	print_message("  shear stress / pressure %.3f, residual %.1e of the work, %d lists\n", ratio,
 				  case_residual(&info) / (info.work - start), info.rebuilds);
 	assert_near(info.F[1], 40.0, 1e-9);
@@ -150,7 +158,8 @@ static void test_shear_strain_of_forty(void **arg)
 	case_end(&c);
 }
 
-/* Pulled apart the material flies: no stress, no cost; pressed together again it is there at the volume at which it left. */
+/* Pulled apart the material flies: no stress, no cost; pressed together again it is there at the volume at which it
+ * left. */
 static void test_gas_and_back(void **arg)
 {
 	(void)arg;
@@ -206,7 +215,8 @@ static void test_a_slender_cell_is_frozen(void **arg)
 		calls++;
 	}
 	struct rve_info info = case_info(&c);
-	print_message("  frozen at a stretch of %.2f, residual %.1e of the work\n", exp(1e-3 * calls), case_residual(&info) / (info.work - start));
+	print_message("  frozen at a stretch of %.2f, residual %.1e of the work\n", exp(1e-3 * calls),
+				  case_residual(&info) / (info.work - start));
 	assert_true(info.flags & RVE_FROZEN);
 	assert_near(exp(1e-3 * calls), 6.0, 1.5);
 	assert_near(case_residual(&info) / (info.work - start), 0.0, 9e-3);
