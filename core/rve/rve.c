@@ -31,7 +31,7 @@ void rve_params_default(struct rve_params *params)
 								  .gas = 1,
 								  .gas_pressure = 20.0,
 								  .gas_stretch = 1.12,
-								  .overlap_max = 0.3};
+								  .overlap_max = 0.5};
 }
 
 /* ---- the model ---- */

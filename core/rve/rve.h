@@ -27,7 +27,7 @@ struct rve_params {
 	int gas;                /* gas state on */
 	double gas_pressure;    /* Pa */
 	double gas_stretch;     /* J / J_ref */
-	double overlap_max;     /* guard: overlap / smaller radius */
+	double overlap_max;     /* guard: largest overlap / smaller radius; at 0.5 a small disc is half-way to being passed through */
 };
 
 /* TM-DEMPM table 1 and the decisions of the design. */

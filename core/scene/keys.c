@@ -148,7 +148,7 @@ static const struct scene_key rve_keys[] = {
 	 .range = RANGE_NOT_NEGATIVE, .doc = "below which"},
 	{.name = "gas_stretch", .type = KEY_FLOAT, AT(scene_law, rve.gas_stretch), .value = "1.12", .range = RANGE_WITHIN, .min = 1.0,
 	 .max = 10.0, .doc = "and above which volume ratio that happens"},
-	{.name = "overlap_max", .type = KEY_FLOAT, AT(scene_law, rve.overlap_max), .value = "0.3", .range = RANGE_WITHIN, .min = 0.001,
+	{.name = "overlap_max", .type = KEY_FLOAT, AT(scene_law, rve.overlap_max), .value = "0.5", .range = RANGE_WITHIN, .min = 0.001,
 	 .max = 1.0, .doc = "overlap / smaller radius at which the run is stopped"},
 	END};
 

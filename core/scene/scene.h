@@ -94,7 +94,7 @@ struct scene_law_rve {
 	bool gas;               /* free-flying points cost nothing; true */
 	double gas_pressure;    /* 20 Pa */
 	double gas_stretch;     /* 1.12 */
-	double overlap_max;     /* guard: overlap / smaller radius; 0.3 */
+	double overlap_max;     /* guard: overlap / smaller radius; 0.5 */
 };
 
 struct scene_law {

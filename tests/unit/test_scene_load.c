@@ -111,7 +111,7 @@ static void rve_defaults_are_those_of_the_paper(void **state)
 	assert_true(rve->grain_density == 2650.0 && rve->disc_thickness == 0.075 && rve->expansion == 1e-4);
 	assert_true(rve->resistance == 1e4 && rve->step_factor == 0.4 && rve->strain_per_step == 5e-5);
 	assert_true(rve->pressure_scaling && rve->n_max == 20 && rve->skin == 0.2);
-	assert_true(rve->gas && rve->gas_pressure == 20.0 && rve->gas_stretch == 1.12 && rve->overlap_max == 0.3);
+	assert_true(rve->gas && rve->gas_pressure == 20.0 && rve->gas_stretch == 1.12 && rve->overlap_max == 0.5);
 	scene_free(s);
 }
 
