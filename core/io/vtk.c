@@ -7,21 +7,11 @@
 #include "io/file.h"
 #include "run/frame.h"
 
-/* The XML names every block of the appended data by its offset: blocks are counted while the XML is
- * written and follow in the same order. */
-struct vtk_block {
-	const void *data;
-	uint64_t bytes;
-};
-
 struct vtk_file {
 	FILE *stream;
 	const unsigned char *frame;
 	const struct frame_channel *channel;
-	int number; /* of the channel */
-	struct vtk_block *blocks;
-	int n_blocks, capacity;
-	uint64_t offset;
+	int number;        /* of the channel */
 	int64_t *cells[2]; /* connectivity, offsets */
 };
 
@@ -54,36 +44,65 @@ static uint64_t vtk_type_bytes(int type)
 	return type == FRAME_U8 ? 1 : type == FRAME_F32 || type == FRAME_I32 ? 4 : 8;
 }
 
-static int vtk_block(struct vtk_file *file, const char *name, const char *type, int components, const void *data,
-					 uint64_t bytes)
+/* Bytes as base64, the only binary form that is text.  Appended raw data would be smaller, but Expat since its
+ * security fixes of 2024 (deferred parsing) hands it to VTK's parser as XML, and VTK up to 9.2 refuses the file. */
+struct vtk_base64 {
+	FILE *stream;
+	unsigned char pending[3];
+	int n;
+};
+
+static void base64_flush(struct vtk_base64 *out)
 {
-	if (file->n_blocks == file->capacity)
-		return error_set(STATUS_RESOURCE, "a VTK file takes at most %d arrays", file->capacity);
-	fprintf(file->stream,
-			"<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" offset=\"%llu\"/>\n",
-			type, name, components, (unsigned long long)file->offset);
-	file->blocks[file->n_blocks++] = (struct vtk_block){data, bytes};
-	file->offset += 8 + bytes;
-	return STATUS_OK;
+	static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+	const unsigned char *b = out->pending;
+	if (out->n == 0)
+		return;
+	const char quad[4] = {digits[b[0] >> 2], digits[(b[0] & 3) << 4 | b[1] >> 4],
+						  out->n > 1 ? digits[(b[1] & 15) << 2 | b[2] >> 6] : '=',
+						  out->n > 2 ? digits[b[2] & 63] : '='};
+	fwrite(quad, 1, sizeof quad, out->stream);
+	memset(out->pending, 0, sizeof out->pending);
+	out->n = 0;
 }
 
-static int vtk_array(struct vtk_file *file, const struct frame_array *array, const char *name)
+static void base64_write(struct vtk_base64 *out, const void *data, uint64_t bytes)
 {
-	return vtk_block(file, name, vtk_type(array->type), array->components, file->frame + array->offset,
-					 vtk_type_bytes(array->type) * (uint64_t)array->components * (uint64_t)array->count);
+	for (uint64_t k = 0; k < bytes; k++) {
+		out->pending[out->n++] = ((const unsigned char *)data)[k];
+		if (out->n == 3)
+			base64_flush(out);
+	}
+}
+
+static void vtk_block(struct vtk_file *file, const char *name, const char *type, int components, const void *data,
+					  uint64_t bytes)
+{
+	struct vtk_base64 out = {.stream = file->stream};
+	fprintf(file->stream, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"binary\">\n", type,
+			name, components);
+	base64_write(&out, &bytes, sizeof bytes);
+	base64_write(&out, data, bytes);
+	base64_flush(&out);
+	fprintf(file->stream, "\n</DataArray>\n");
+}
+
+static void vtk_array(struct vtk_file *file, const struct frame_array *array, const char *name)
+{
+	vtk_block(file, name, vtk_type(array->type), array->components, file->frame + array->offset,
+			  vtk_type_bytes(array->type) * (uint64_t)array->components * (uint64_t)array->count);
 }
 
 /* All arrays of the channel at one location, between <tag> and </tag>. */
-static int vtk_data(struct vtk_file *file, const char *tag, int location)
+static void vtk_data(struct vtk_file *file, const char *tag, int location)
 {
 	const struct frame_header *header = (const void *)file->frame;
 	const struct frame_array *arrays = vtk_arrays(file->frame);
 	fprintf(file->stream, "<%s>\n", tag);
 	for (int a = 0; a < header->n_arrays; a++)
 		if (arrays[a].channel == file->number && arrays[a].location == location)
-			CHECK(vtk_array(file, &arrays[a], arrays[a].name));
+			vtk_array(file, &arrays[a], arrays[a].name);
 	fprintf(file->stream, "</%s>\n", tag);
-	return STATUS_OK;
 }
 
 static const struct frame_array *vtk_geometry(const struct vtk_file *file, const char *name)
@@ -113,8 +132,8 @@ static int vtk_cells(struct vtk_file *file, const char *tag)
 	for (int64_t c = 0; c < n_cells; c++)
 		file->cells[1][c] = cuts ? ((const int32_t *)(file->frame + cuts->offset))[c + 1] : per_cell * (c + 1);
 	fprintf(file->stream, "<%s>\n", tag);
-	CHECK(vtk_block(file, "connectivity", "Int64", 1, file->cells[0], 8 * (uint64_t)n_points));
-	CHECK(vtk_block(file, "offsets", "Int64", 1, file->cells[1], 8 * (uint64_t)n_cells));
+	vtk_block(file, "connectivity", "Int64", 1, file->cells[0], 8 * (uint64_t)n_points);
+	vtk_block(file, "offsets", "Int64", 1, file->cells[1], 8 * (uint64_t)n_cells);
 	fprintf(file->stream, "</%s>\n", tag);
 	return STATUS_OK;
 }
@@ -131,10 +150,10 @@ static int vtk_poly_data(struct vtk_file *file)
 			"<Piece NumberOfPoints=\"%lld\" NumberOfVerts=\"%lld\" NumberOfLines=\"%lld\" NumberOfStrips=\"0\" "
 			"NumberOfPolys=\"%lld\">\n",
 			(long long)channel->n_points, verts ? cells : 0, verts || polys ? 0 : cells, polys ? cells : 0);
-	CHECK(vtk_data(file, "PointData", FRAME_POINT));
-	CHECK(vtk_data(file, "CellData", FRAME_CELL));
+	vtk_data(file, "PointData", FRAME_POINT);
+	vtk_data(file, "CellData", FRAME_CELL);
 	fprintf(file->stream, "<Points>\n");
-	CHECK(vtk_array(file, coordinates, "Points"));
+	vtk_array(file, coordinates, "Points");
 	fprintf(file->stream, "</Points>\n");
 	CHECK(vtk_cells(file, verts ? "Verts" : polys ? "Polys" : "Lines"));
 	fprintf(file->stream, "</Piece>\n");
@@ -164,18 +183,13 @@ static int vtk_xml(struct vtk_file *file)
 			header->time);
 	if (image) {
 		fprintf(file->stream, "<Piece Extent=\"%s\">\n", extent);
-		CHECK(vtk_data(file, "PointData", FRAME_POINT));
-		CHECK(vtk_data(file, "CellData", FRAME_CELL));
+		vtk_data(file, "PointData", FRAME_POINT);
+		vtk_data(file, "CellData", FRAME_CELL);
 		fprintf(file->stream, "</Piece>\n");
 	} else {
 		CHECK(vtk_poly_data(file));
 	}
-	fprintf(file->stream, "</%s>\n<AppendedData encoding=\"raw\">\n_", type);
-	for (int b = 0; b < file->n_blocks; b++) {
-		fwrite(&file->blocks[b].bytes, 8, 1, file->stream);
-		fwrite(file->blocks[b].data, 1, file->blocks[b].bytes, file->stream);
-	}
-	fprintf(file->stream, "\n</AppendedData>\n</VTKFile>\n");
+	fprintf(file->stream, "</%s>\n</VTKFile>\n", type);
 	return STATUS_OK;
 }
 
@@ -184,10 +198,6 @@ int vtk_write(const char *path, const void *frame, int channel)
 	const struct frame_header *header = frame;
 	struct vtk_file file = {
 		.frame = frame, .channel = (const struct frame_channel *)(header + 1) + channel, .number = channel};
-	file.capacity = header->n_arrays + 3;
-	file.blocks = malloc(sizeof *file.blocks * (size_t)file.capacity);
-	if (!file.blocks)
-		return error_set(STATUS_RESOURCE, "out of memory");
 	struct file_output output;
 	int status = file_output_begin(&output, path);
 	if (status == STATUS_OK) {
@@ -201,6 +211,5 @@ int vtk_write(const char *path, const void *frame, int channel)
 	}
 	free(file.cells[0]);
 	free(file.cells[1]);
-	free(file.blocks);
 	return status;
 }

@@ -1,4 +1,4 @@
-/* VTK's XML files, binary (raw appended), from a channel of a frame: what ParaView opens.
+/* VTK's XML files, binary (inline base64), from a channel of a frame: what ParaView opens.
  *
  * One writer for every kind of channel: vertices, quads, segments and polylines become .vtp, images .vti. */
 #ifndef TMDEMPM_IO_VTK_H
