@@ -1,4 +1,3 @@
-# labels: long
 # timeout: 900
 """The quick forced silo discharge, whole: the material runs out under the plate, mass and energy are accounted for."""
 import json
