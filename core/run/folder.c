@@ -2,9 +2,12 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/error.h"
 
@@ -80,10 +83,29 @@ static int folder_move_aside(const char *folder, char moved[FILE_PATH])
 	return error_set(STATUS_RESOURCE, "cannot move %s aside: too many old folders", folder);
 }
 
-int folder_make(const char *folder, bool force, char moved[FILE_PATH])
+static int folder_lock(const char *folder, int *lock)
+{
+	*lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	if (*lock < 0)
+		return error_set(STATUS_RESOURCE, "cannot open %s: %s", folder, strerror(errno));
+	/* file systems without locks do without this protection */
+	if (flock(*lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+		return STATUS_OK;
+	close(*lock);
+	*lock = -1;
+	return error_set(STATUS_INPUT,
+					 "another run is writing to %s: wait for its end, or choose another folder with --out", folder);
+}
+
+int folder_make(const char *folder, bool force, char moved[FILE_PATH], int *lock)
 {
 	moved[0] = '\0';
-	if (force && folder_is_used(folder) > 0)
-		CHECK(folder_move_aside(folder, moved));
-	return file_make_folder(folder);
+	if (force && folder_is_used(folder) > 0) {
+		CHECK(folder_lock(folder, lock));
+		int status = folder_move_aside(folder, moved);
+		close(*lock);
+		CHECK(status);
+	}
+	CHECK(file_make_folder(folder));
+	return folder_lock(folder, lock);
 }

@@ -15,7 +15,9 @@ int folder_name(char folder[FILE_PATH], const char *out, const char *restart, co
 int folder_check(const char *folder, bool force, bool restart);
 
 /* Makes the folder.  With `force` an old folder that is not empty is moved to the first
- * free `FOLDER.old-N`, never deleted; its new name comes back in moved[FILE_PATH] ("" = nothing moved). */
-int folder_make(const char *folder, bool force, char moved[FILE_PATH]);
+ * free `FOLDER.old-N`, never deleted; its new name comes back in moved[FILE_PATH] ("" = nothing moved).
+ * The folder is this process's until *lock is closed, at the latest when the process ends, however it ends:
+ * a second run that wants it, also by a restart or by force, gets STATUS_INPUT. */
+int folder_make(const char *folder, bool force, char moved[FILE_PATH], int *lock);
 
 #endif

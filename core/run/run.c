@@ -179,7 +179,7 @@ static void run_sweep(const struct run *run)
 static int run_open(struct run *run)
 {
 	char path[FILE_PATH], moved[FILE_PATH];
-	CHECK(folder_make(run->folder, run->options->force && !run->options->restart, moved));
+	CHECK(folder_make(run->folder, run->options->force && !run->options->restart, moved, &run->folder_lock));
 	if (run->options->restart)
 		run_sweep(run);
 	CHECK(run_path(run, "log.txt", path));

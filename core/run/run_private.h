@@ -97,6 +97,7 @@ struct run {
 	struct images *images;
 	struct frame_builder *builder;
 	char folder[FILE_PATH];
+	int folder_lock; /* open as long as the folder is ours */
 	int threads;
 	long long first_step, last_step;
 	long long history_every, snapshot_every, checkpoint_every; /* steps */

@@ -3,6 +3,7 @@
 import base64
 import json
 import struct
+import time
 from xml.etree import ElementTree
 from e2e import *
 
@@ -132,6 +133,24 @@ def disk_full(f, cfg):
     expect(not [n for n in files_below(f("full")) if n.endswith(".tmp")], "temporary files are left")
 
 
+def in_use(f, cfg):
+    """Two runs never write to one folder: not by force, not by a restart."""
+    out = f("busy")
+    tmdempm("run", cfg, "--out", out, "--until", 0.01)
+    again = ["run", cfg, "--out", out, "--restart", os.path.join(out, "checkpoint.h5"), "--set", "time.end=1000"]
+    first = subprocess.Popen([TMDEMPM] + again + ["--quiet"], env=environment())
+    try:
+        while "continues" not in open(os.path.join(out, "log.txt"), encoding="utf-8").read():
+            time.sleep(0.01)
+            expect(first.poll() is None, "the first run has ended")
+        for more in (again, ["run", cfg, "--out", out, "--force"]):
+            expect("another run is writing to" in tmdempm(*more, code=2).stderr, "the folder is not protected")
+        expect(first.poll() is None, "the first run has ended")
+    finally:
+        first.kill()
+        first.wait()
+
+
 with Folder() as f:
     cfg = f.write("s.cfg", BLOCK)
     header_and_files(f, cfg)
@@ -140,5 +159,6 @@ with Folder() as f:
     usage(f, cfg)
     other_commands(f, cfg)
     refusals(f, cfg)
+    in_use(f, cfg)
     disk_full(f, cfg)
     step_over_the_limit(f)
