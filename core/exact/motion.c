@@ -92,14 +92,15 @@ static void rotations(double alpha, double Q[3][4])
 	memcpy(Q, all, sizeof all);
 }
 
-/* x = Q(alpha) X with alpha = g(t) h(R); h and its slope vanish on both radii, so that they need no traction:
- * F = Q + Q'X (x) grad alpha. */
+/* x = Q(alpha) X with alpha = g(t) h(R), F = Q + Q'X (x) grad alpha; h and its slope vanish on both radii, so that
+ * they need no traction, and whatever lies beyond may rest. */
 static bool vortex_motion(const double *p, const double X[2], double t, struct exact_motion *m)
 {
 	const double d[2] = {X[0] - p[RING_X], X[1] - p[RING_Y]};
 	double R = hypot(d[0], d[1]), half = 0.5 * (p[RING_OUTER] - p[RING_INNER]);
+	at_rest(m);
 	if (R < p[RING_INNER] || R > p[RING_OUTER])
-		return false;
+		return true;
 	double s = (R - p[RING_INNER] - half) / half, w = 2.0 * M_PI / p[RING_PERIOD];
 	double h = (1.0 - s * s) * (1.0 - s * s), h1 = -4.0 * s * (1.0 - s * s) / half,
 		   h2 = (12.0 * s * s - 4.0) / (half * half);
@@ -129,7 +130,8 @@ static bool vortex_motion(const double *p, const double X[2], double t, struct e
 
 const struct exact_solution exact_vortex = {
 	.name = "vortex",
-	.doc = "manufactured: a free ring whose middle swings around, x = Q(alpha) X, alpha = A sin(2 pi t/period) (1 - "
+	.doc = "manufactured: a ring whose middle swings around in matter at rest, x = Q(alpha) X, alpha = A sin(2 pi "
+		   "t/period) (1 - "
 		   "s^2)^2 "
 		   "(generalised vortex, Kamojjala, Brannon, Sadeghirad, Guilkey 2015)",
 	EXACT_PARAMETERS(vortex_parameters),

@@ -12,6 +12,9 @@ READER(read_packing_file);
 READER(read_material_law);
 READER(read_material_name);
 READER(read_body_shape);
+READER(read_body_circle);
+READER(read_motion_solution);
+READER(read_motion_parameters);
 READER(read_wall_shape);
 READER(read_box); /* lower corner at key->offset, upper at key->n_offset */
 READER(read_grid_follow);
