@@ -30,6 +30,7 @@ struct particles {
 	double (*conductivity)[3]; /* W/(m K): xx yy xy */
 	double *capacity;   /* J/(kg K) */
 	double *heat_pending; /* J, heat of the law that waits for the next thermal step */
+	double (*affine)[4]; /* APIC: B of its affine motion, m2/s, or C, 1/s (mpm/point.h); else NULL */
 	double *heat_friction_sum; /* J/m3 of initial volume, heat received from the law so far */
 };
 
