@@ -44,6 +44,7 @@ static void report_times(struct json *json, const struct run *run)
 	json_number(json, "output", run->output_time);
 	json_number(json, "viewer_wait", images_waited(run->images));
 	json_number(json, "total", report_loop_time(run));
+	json_number(json, "cpu", run->loop_cpu);
 	json_close(json, '}');
 }
 

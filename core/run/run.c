@@ -4,6 +4,7 @@
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "base/error.h"
 #include "run/folder.h"
@@ -223,8 +224,10 @@ static int run_all(struct run *run)
 	run_announce(run);
 	run->loop_start = clock_seconds();
 	run->setup_time = run->loop_start - start;
+	clock_t cpu = clock();
 	int status = run_loop(run);
 	run->loop_time = clock_seconds() - run->loop_start;
+	run->loop_cpu = (double)(clock() - cpu) / CLOCKS_PER_SEC;
 	return status;
 }
 

@@ -472,7 +472,7 @@ static void consider(void *data, const char *path, const struct scene_key *key)
 	}
 }
 
-void scene_keys_nearest(const char *path, char *nearest)
+void keys_nearest(const struct scene_key *keys, const char *path, char *nearest)
 {
 	struct search search = {.best = 1 << 20, .nearest = nearest};
 	size_t n = 0;
@@ -486,5 +486,5 @@ void scene_keys_nearest(const char *path, char *nearest)
 	const char *dot = strrchr(search.plain, '.');
 	search.last = dot ? dot + 1 : search.plain;
 	nearest[0] = '\0';
-	scene_keys_visit(consider, &search);
+	visit_keys(keys, "", consider, &search);
 }

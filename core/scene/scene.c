@@ -219,6 +219,20 @@ static void drop_inactive_walls(struct loader *loader)
 	}
 }
 
+static void finish(struct loader *loader, void *target)
+{
+	(void)target;
+	read_places(loader);
+	finish_scene(loader);
+	check_scene(loader);
+	if (loader->n_problems)
+		return;
+	write_text(loader);
+	drop_inactive_walls(loader);
+}
+
+static const struct file_kind scene_kind = {"scene", scene_root_tables, finish};
+
 static void load(struct loader *loader, const char *path, int n_sets, const char *const *sets)
 {
 	struct scene_place given = {scene_string(loader, path), 0};
@@ -231,13 +245,8 @@ static void load(struct loader *loader, const char *path, int n_sets, const char
 	}
 	if (!loader->root)
 		return;
-	read_scene(loader);
-	finish_scene(loader);
-	check_scene(loader);
-	if (loader->n_problems)
-		return;
-	write_text(loader);
-	drop_inactive_walls(loader);
+	read_group(loader, loader->kind->tables->keys, loader->root, loader->target, "");
+	loader->kind->finish(loader, loader->target);
 }
 
 static void release(struct loader *loader)
@@ -253,9 +262,10 @@ static void release(struct loader *loader)
 	free(loader);
 }
 
-int scene_load(struct scene **scene, const char *path, int n_sets, const char *const *sets, void *errors)
+int file_kind_load(const struct file_kind *kind, struct scene **storage, void *target, const char *path, int n_sets,
+				   const char *const *sets, void *errors)
 {
-	*scene = NULL;
+	*storage = NULL;
 	if (strlen(path) >= SCENE_PATH)
 		return error_set(STATUS_INPUT, "'%.60s...' is too long a path, expected at most %d characters", path,
 						 SCENE_PATH - 1);
@@ -267,7 +277,7 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 		free(read);
 		return error_set(status, "no memory to load '%s'", path);
 	}
-	loader->scene = read;
+	loader->kind = kind, loader->scene = read, loader->target = target ? target : read;
 	if (setjmp(loader->no_memory)) {
 		status = error_set(STATUS_RESOURCE, "no memory to load '%s'", path);
 	} else {
@@ -284,8 +294,13 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 	if (status)
 		scene_free(read);
 	else
-		*scene = read;
+		*storage = read;
 	return status;
+}
+
+int scene_load(struct scene **scene, const char *path, int n_sets, const char *const *sets, void *errors)
+{
+	return file_kind_load(&scene_kind, scene, NULL, path, n_sets, sets, errors);
 }
 
 void scene_free(struct scene *scene)
