@@ -229,11 +229,13 @@ static struct node *load_variant(struct loader *loader, struct node *variant, co
 					   "stands in a variant, expected only title, base and set = (\"%s=...\")", child->name);
 	}
 	if (!base) {
-		problem_at(loader, set->place, "set", "needs a %s to change, expected base = \"file.cfg\" beside it", loader->kind->name);
+		problem_at(loader, set->place, "set", "needs a %s to change, expected base = \"file.cfg\" beside it",
+				   loader->kind->name);
 		return NULL;
 	}
 	if (base->type != NODE_STRING) {
-		problem_at(loader, base->place, "base", "is %s, expected the name of a %s file in quotes", node_kind(base), loader->kind->name);
+		problem_at(loader, base->place, "base", "is %s, expected the name of a %s file in quotes", node_kind(base),
+				   loader->kind->name);
 		return NULL;
 	}
 	struct node *root = load(loader, path_beside(loader, chain->path, base->string), base->place, chain);

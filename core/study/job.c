@@ -46,9 +46,19 @@ static int hash_packings(uint64_t *hash, const struct scene *scene)
 static int hash_scene(uint64_t *hash, const struct study *study, const struct combination *c)
 {
 	struct scene *scene;
-	int status = scene_load(&scene, study->scene.file, c->sets.n, c->sets.items, stderr);
-	if (status != STATUS_OK)
-		return error_context(status, "%s: %s", study->file, c->name);
+	char *messages = NULL;
+	size_t size;
+	FILE *errors = open_memstream(&messages, &size);
+	if (!errors)
+		return error_set(STATUS_RESOURCE, "out of memory");
+	int status = scene_load(&scene, study->scene.file, c->sets.n, c->sets.items, errors);
+	fclose(errors);
+	if (status == STATUS_INPUT && study->stability) /* limits are what is studied: this is one */
+		error_set(status, "%.*s", (int)strcspn(messages, "\n"), messages);
+	else if (status != STATUS_OK)
+		fputs(messages, stderr), error_context(status, "%s: %s", study->file, c->name);
+	free(messages);
+	CHECK(status);
 	char threads[32];
 	snprintf(threads, sizeof threads, "%d threads", study->scene.threads);
 	*hash = hash_text(hash_text(*hash, scene->text), threads);
@@ -62,14 +72,19 @@ static void folder_text(char text[80], const struct study *study, const struct c
 {
 	size_t n = 0;
 	for (int k = 0; k < study->n_knobs; k++)
-		for (const char *at = study->knobs[k].choices[c->choice[k]].name, *end = at + strlen(at) + 1; at < end && n < 78; at++)
-			text[n++] = !*at ? '_' : strchr("+-.", *at) || (*at >= '0' && *at <= '9') || ((*at | 32) >= 'a' && (*at | 32) <= 'z') ? *at : '-';
+		for (const char *at = study->knobs[k].choices[c->choice[k]].name, *end = at + strlen(at) + 1;
+			 at < end && n < 78; at++)
+			text[n++] = !*at ? '_'
+						: strchr("+-.", *at) || (*at >= '0' && *at <= '9') || ((*at | 32) >= 'a' && (*at | 32) <= 'z')
+							? *at
+							: '-';
 	text[n ? n - 1 : 0] = '\0';
 }
 
 int job_name(const struct study *study, struct combination *c, const char *folder)
 {
-	uint64_t hash = hash_text(HASH_START, TMDEMPM_VERSION " " TMDEMPM_COMPILER " " TMDEMPM_BUILD_TYPE " " ENGINE_SOURCES_HASH);
+	uint64_t hash =
+		hash_text(HASH_START, TMDEMPM_VERSION " " TMDEMPM_COMPILER " " TMDEMPM_BUILD_TYPE " " ENGINE_SOURCES_HASH);
 	char text[80], name[160];
 	if (study->load.n)
 		for (int k = 0; k < c->sets.n; k++)
@@ -96,7 +111,9 @@ static int outcome_write(const struct combination *c)
 	const struct cost *cost = &c->result.cost;
 	CHECK(outcome_path(c, path));
 	CHECK(file_output_begin(&out, path));
-	fprintf(out.stream, "combination %s\noutcome %s\nwall %.9g\ncpu %.9g\nsetup %.9g\nsteps %.17g\npoints %.17g\ndisc_steps %.17g\nreason %s\n",
+	fprintf(out.stream,
+			"combination %s\noutcome %s\nwall %.9g\ncpu %.9g\nsetup %.9g\nsteps %.17g\npoints %.17g\ndisc_steps "
+			"%.17g\nreason %s\n",
 			c->name, outcome_name(c->result.outcome), cost->wall, cost->cpu, cost->setup, cost->steps, cost->points,
 			cost->disc_steps, c->result.reason);
 	return file_output_commit(&out);
@@ -130,8 +147,9 @@ bool job_recall(struct combination *c)
 		if (!strncmp(outcome, outcome_names[k], strlen(outcome_names[k])))
 			r->outcome = (enum outcome)k;
 	snprintf(r->reason, sizeof r->reason, "%.*s", reason ? (int)strcspn(reason, "\n") : 0, reason ? reason : "");
-	r->cost = (struct cost){outcome_number(text, "wall"),	outcome_number(text, "cpu"),	outcome_number(text, "setup"),
-							outcome_number(text, "steps"), outcome_number(text, "points"), outcome_number(text, "disc_steps")};
+	r->cost = (struct cost){outcome_number(text, "wall"),   outcome_number(text, "cpu"),
+							outcome_number(text, "setup"),  outcome_number(text, "steps"),
+							outcome_number(text, "points"), outcome_number(text, "disc_steps")};
 	free(text);
 	return r->outcome != OUTCOME_NONE;
 }

@@ -7,8 +7,9 @@
 #include "scene/private.h"
 #include "study/private.h"
 
-#define READER(name) \
-	static void name(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+#define READER(name)                                                                                                   \
+	static void name(struct loader *loader, const struct scene_key *key, struct node *node, void *target,              \
+					 const char *path)
 
 /* The name of a file, as seen from the file in which it stands (a variant's base may be elsewhere). */
 READER(read_file)
@@ -162,7 +163,7 @@ static const struct scene_key norm_keys[] = {
 	{.name = "from", .type = KEY_FLOAT, AT(study_norm, from), .absent = "the whole curve", .doc = "where on the abscissa it begins"},
 	{.name = "until", .type = KEY_FLOAT, AT(study_norm, until), .absent = "the whole curve", .doc = "where it ends"},
 	{.name = "level", .type = KEY_FLOAT, AT(study_norm, level), .absent = "only for reach", .doc = "what is reached"},
-	{.name = "time", .type = KEY_FLOAT, AT(study_norm, time), .unit = "s", .absent = "the last", .doc = "of the snapshot"},
+	{.name = "time", .type = KEY_FLOAT, AT(study_norm, time), .unit = "s", .absent = "the last", .doc = "of the snapshot, within 1%; the exact solution is that of its own time"},
 	{.name = "scale", .type = KEY_FLOAT, AT(study_norm, scale), .value = "1.0", .range = RANGE_POSITIVE, .doc = "values and errors are divided by it"},
 	{.name = "unit", TEXT(study_norm, unit), .value = "\"-\"", .doc = "of what is left"},
 	{.name = "relative", .type = KEY_BOOL, AT(study_norm, relative), .value = "false", .doc = "the error is divided by the reference's value"},
@@ -270,7 +271,8 @@ static void check_norm(struct loader *loader, const struct study *study, struct 
 	char path[PATH_LENGTH];
 	path_print(path, "norms.[%d]", k);
 	if (!norm->column[0] == !norm->points[0])
-		problem_of(loader, path, "has %s, expected one of them", norm->column[0] ? "column and points" : "neither column nor points");
+		problem_of(loader, path, "has %s, expected one of them",
+				   norm->column[0] ? "column and points" : "neither column nor points");
 	if (norm->points[0] && study->reference.kind != STUDY_EXACT)
 		problem_of(loader, path, "is over points, expected an exact solution as reference");
 	if (norm->points[0] && norm->kind != NORM_RMS && norm->kind != NORM_MAX)
@@ -285,7 +287,8 @@ static void check_norm(struct loader *loader, const struct study *study, struct 
 	if (!norm->label[0])
 		snprintf(norm->label, sizeof norm->label, "%s", norm->name);
 	if (study->load.n && !strcmp(norm->abscissa, "time"))
-		problem_of(loader, path, "has no abscissa, expected a column of the curve such as strain_yy (rve load writes no time)");
+		problem_of(loader, path,
+				   "has no abscissa, expected a column of the curve such as strain_yy (rve load writes no time)");
 	for (int j = 0; j < norm->n_gates; j++) {
 		char gate[PATH_LENGTH];
 		path_print(gate, "norms.[%d].gates.[%d].where", k, j);
@@ -431,7 +434,10 @@ static void print_keys(FILE *out, const struct scene_key *keys, int depth)
 		char comment[1024];
 		scene_key_comment(keys, comment, sizeof comment);
 		fprintf(out, "%*s%-*s %s%s\n", 2 + 2 * depth, "", 16 - 2 * depth, keys->name,
-				keys->type == KEY_LIST ? "( { ... }, ... )  " : keys->type == KEY_GROUP ? "{ ... }  " : "", comment);
+				keys->type == KEY_LIST    ? "( { ... }, ... )  "
+				: keys->type == KEY_GROUP ? "{ ... }  "
+										  : "",
+				comment);
 		if (keys->tables)
 			print_keys(out, keys->tables->keys, depth + 1);
 	}

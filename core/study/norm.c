@@ -63,7 +63,8 @@ static int probe_place(const struct csv_table *table, const struct study_norm *n
 		X[c] = !isnan(norm->at[c]) ? norm->at[c] : k >= 0 && table->rows ? table->values[k] : NAN;
 	}
 	if (isnan(X[0] + X[1]) && table->rows)
-		return error_set(STATUS_INPUT, "the norm %s: \"%s\" is no column of a probe, expected one, or `at`, for the exact solution",
+		return error_set(STATUS_INPUT,
+						 "the norm %s: \"%s\" is no column of a probe, expected one, or `at`, for the exact solution",
 						 norm->name, norm->column);
 	return STATUS_OK;
 }
@@ -193,7 +194,8 @@ static int norm_evaluate(struct evaluation *e, struct combination *c, int k)
 	const struct study_norm *norm = &study->norms[k];
 	double value = NAN, error = NAN;
 	int status = STATUS_OK;
-	bool itself = study->reference.kind == STUDY_FINEST && !study->reference.mean && e->plan->combinations + c->reference == c;
+	bool itself =
+		study->reference.kind == STUDY_FINEST && !study->reference.mean && e->plan->combinations + c->reference == c;
 	if (!has_curve(c))
 		return STATUS_OK;
 	if (norm->points[0]) {

@@ -197,7 +197,8 @@ static int sets_add(struct combination *c, const struct study *study, const stru
 /* Runs of a study draw nothing and write what its norms need; the study itself has the last word. */
 static struct study_texts quiet_sets(const struct study *study)
 {
-	static const char *const sets[] = {"images=()", "output.vtk=false", "output.checkpoint_every=0", "output.snapshot_every=0"};
+	static const char *const sets[] = {"images=()", "output.vtk=false", "output.checkpoint_every=0",
+									   "output.snapshot_every=0"};
 	struct study_texts texts = {.n = study->load.n ? 0 : 4, .items = (const char **)sets};
 	for (int k = 0; k < study->n_norms; k++)
 		if (study->norms[k].points[0] && texts.n == 4)

@@ -26,6 +26,7 @@ static int snapshot_nearest(const char *folder, double time, char best[FILE_PATH
 {
 	DIR *stream = opendir(folder);
 	double distance = INFINITY;
+	*found = NAN;
 	best[0] = '\0';
 	if (!stream)
 		return error_set(STATUS_INPUT, "cannot read %s (%s): does the study set output.snapshot_every?", folder,
@@ -36,7 +37,8 @@ static int snapshot_nearest(const char *folder, double time, char best[FILE_PATH
 		double at;
 		if (entry->d_name[0] == '.' || !file_has_end(entry->d_name, ".h5"))
 			continue;
-		if ((status = file_join(path, folder, entry->d_name)) != STATUS_OK || (status = snapshot_time(path, &at)) != STATUS_OK)
+		if ((status = file_join(path, folder, entry->d_name)) != STATUS_OK ||
+			(status = snapshot_time(path, &at)) != STATUS_OK)
 			continue;
 		double d = isnan(time) ? -at : fabs(at - time);
 		if (d < distance) {
@@ -55,8 +57,9 @@ static int snapshot_find(const char *folder, double time, char path[FILE_PATH], 
 	CHECK(snapshot_nearest(below, time, path, found));
 	if (!path[0])
 		return error_set(STATUS_INPUT, "%s holds no snapshot: does the study set output.snapshot_every?", below);
-	if (!isnan(time) && fabs(*found - time) > 1e-6 * fmax(fabs(time), 1e-6))
-		return error_set(STATUS_INPUT, "%s holds no snapshot of %.9g s (the nearest is of %.9g s)", below, time, *found);
+	if (!isnan(time) && fabs(*found - time) > 0.01 * fabs(time)) /* whole steps; its own time is what counts */
+		return error_set(STATUS_INPUT, "%s holds no snapshot of %.9g s (the nearest is of %.9g s)", below, time,
+						 *found);
 	return STATUS_OK;
 }
 
@@ -140,7 +143,8 @@ static int points_read(struct points *p, const char *wanted, const char *path)
 static int point_squares(const struct points *p, int i, const struct exact_reference *exact,
 						 const struct study_norm *norm, double t, double squares[2])
 {
-	const double X[2] = {p->position[2 * i] - p->displacement[3 * i], p->position[2 * i + 1] - p->displacement[3 * i + 1]};
+	const double X[2] = {p->position[2 * i] - p->displacement[3 * i],
+						 p->position[2 * i + 1] - p->displacement[3 * i + 1]};
 	squares[0] = squares[1] = 0.0;
 	for (int c = p->first; c <= p->last; c++) {
 		const char *ending = field_component_ending(p->components, c);
@@ -156,8 +160,8 @@ static int point_squares(const struct points *p, int i, const struct exact_refer
 	return STATUS_OK;
 }
 
-static int points_sum(const struct points *p, const struct exact_reference *exact, const struct study_norm *norm, double t,
-					  double results[2])
+static int points_sum(const struct points *p, const struct exact_reference *exact, const struct study_norm *norm,
+					  double t, double results[2])
 {
 	double sum[2] = {0.0, 0.0}, most[2] = {0.0, 0.0}, volume = 0.0;
 	for (int i = 0; i < p->n; i++) {

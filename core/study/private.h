@@ -73,18 +73,18 @@ struct study_gate {
 struct study_norm {
 	char name[SCENE_NAME], label[STUDY_TEXT];
 	enum study_norm_kind kind;
-	char column[STUDY_TEXT];    /* an expression of columns of the curve, "" = a norm over points */
-	char abscissa[STUDY_TEXT];  /* the same; "time" */
-	char points[SCENE_NAME];    /* a field of snapshots, or a component of one */
-	char exact[STUDY_TEXT];     /* an expression of fields of the exact solution; "" = the column's own name */
-	double at[2];               /* m, where the exact solution is taken; NAN = where the column's probe starts */
-	double from, until;         /* of the abscissa; NAN = its ends */
-	double level;               /* NORM_REACH */
-	double time;                /* s, of the snapshot; NAN = the last */
-	double scale;               /* errors and values are divided by it */
-	char unit[STUDY_UNIT];      /* of what is left */
-	bool relative;              /* errors are divided by the reference's value */
-	double gate;                /* NAN = none; everywhere */
+	char column[STUDY_TEXT];   /* an expression of columns of the curve, "" = a norm over points */
+	char abscissa[STUDY_TEXT]; /* the same; "time" */
+	char points[SCENE_NAME];   /* a field of snapshots, or a component of one */
+	char exact[STUDY_TEXT];    /* an expression of fields of the exact solution; "" = the column's own name */
+	double at[2];              /* m, where the exact solution is taken; NAN = where the column's probe starts */
+	double from, until;        /* of the abscissa; NAN = its ends */
+	double level;              /* NORM_REACH */
+	double time;               /* s, of the snapshot; NAN = the last */
+	double scale;              /* errors and values are divided by it */
+	char unit[STUDY_UNIT];     /* of what is left */
+	bool relative;             /* errors are divided by the reference's value */
+	double gate;               /* NAN = none; everywhere */
 	int n_gates;
 	struct study_gate *gates;
 	double garbage; /* stability: beyond it a result means nothing; NAN = no criterion */
@@ -137,7 +137,6 @@ struct study {
 
 int study_load(struct study **study, const char *path, int n_sets, const char *const *sets, void *errors);
 void study_free(struct study *study);
-void study_print_keys(FILE *out);
 
 /* ---- plan.c ---- */
 
@@ -157,15 +156,15 @@ struct result {
 };
 
 struct combination {
-	int *choice;                     /* [n_knobs] */
-	bool off;                        /* a stability study's second run: without guards */
-	bool asked;                      /* for itself, not only as a reference */
-	int partner;                     /* the same with guards (without, for those with), -1 = none */
-	int reference;                   /* another combination, itself, or -1 */
-	char name[STUDY_TEXT];           /* "transfer=flip, dt=0.0001" */
-	char hash[STUDY_HASH];           /* of everything that decides its results */
-	char folder[FILE_PATH];          /* DIR/runs/NAME-HASH */
-	struct study_texts sets;         /* of the scene, or options of `rve load` */
+	int *choice;             /* [n_knobs] */
+	bool off;                /* a stability study's second run: without guards */
+	bool asked;              /* for itself, not only as a reference */
+	int partner;             /* the same with guards (without, for those with), -1 = none */
+	int reference;           /* another combination, itself, or -1 */
+	char name[STUDY_TEXT];   /* "transfer=flip, dt=0.0001" */
+	char hash[STUDY_HASH];   /* of everything that decides its results */
+	char folder[FILE_PATH];  /* DIR/runs/NAME-HASH */
+	struct study_texts sets; /* of the scene, or options of `rve load` */
 	struct result result;
 };
 
@@ -199,9 +198,5 @@ int schedule_run(struct plan *plan, const struct study_options *options);
 /* Value and error of every norm of every run; what cannot be had is NAN.  STATUS_INPUT if a norm names a column or
  * a field that the runs do not have. */
 int norms_evaluate(struct plan *plan);
-
-/* ---- report.c ---- */
-
-int report_study(struct plan *plan, const char *folder, const struct study_options *options);
 
 #endif

@@ -54,8 +54,8 @@ static int series_fill(struct series *series, const struct csv_table *table, con
 		if (isnan(x))
 			continue;
 		if (n > 0 && x < series->x[n - 1])
-			return error_set(STATUS_INPUT, "the abscissa \"%s\" falls at row %d, expected one that grows (-(%s)?)", abscissa,
-							 k + 1, abscissa);
+			return error_set(STATUS_INPUT, "the abscissa \"%s\" falls at row %d, expected one that grows (-(%s)?)",
+							 abscissa, k + 1, abscissa);
 		n += n == 0 || x > series->x[n - 1]; /* of two rows at one place the later one holds */
 		series->x[n - 1] = x, series->y[n - 1] = y;
 	}

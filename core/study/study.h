@@ -9,6 +9,7 @@
 #define TMDEMPM_STUDY_STUDY_H
 
 #include <stdbool.h>
+#include <stdio.h>
 
 struct study_options {
 	const char *out; /* folder; each study has one of its own below it */
@@ -23,5 +24,8 @@ struct study_options {
 /* Runs the studies one after the other.  STATUS_GUARD if a gate was missed (the message names norm, value, bound
  * and combination), STATUS_INPUT for wrong files (told on stderr), STATUS_INTERRUPTED after SIGINT or SIGTERM. */
 int study_run(int n_files, char *const *files, const struct study_options *options);
+
+/* Prints every key of a study file with its meaning. */
+void study_print_keys(FILE *out);
 
 #endif
