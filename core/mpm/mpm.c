@@ -190,7 +190,8 @@ static int births_of_body(const struct scene *scene, int b, struct birth **birth
 		int layer = scene_body_layer(body, x[k][1]);
 		*birth = (struct birth){.x = {x[k][0], x[k][1]}, .body = b};
 		birth->material = layer < 0 ? body->material : body->layers[layer].material;
-		birth->temperature = layer < 0 ? body->temperature : body->layers[layer].temperature;
+		birth->temperature =
+			(layer < 0 ? body->temperature : body->layers[layer].temperature) + scene_body_warming(body, birth->x);
 		birth->variant = body->variants > 1 ? k % body->variants : 0;
 	}
 	*n += count;
@@ -262,6 +263,8 @@ static int give_birth(struct mpm *mpm, const struct birth *birth, int id, int at
 	p->mass[at] = density * p->volume0[at];
 	p->T[at] = p->T_smooth[at] = birth->temperature;
 	p->capacity[at] = mpm->thermal ? material->heat_capacity : 0.0;
+	p->thawed[at] = 1.0;
+	freezing_begin(mpm, at);
 	p->dT[at] = isnan(material->reference_temperature) ? 0.0 : birth->temperature - material->reference_temperature;
 	return STATUS_OK;
 }
@@ -272,6 +275,7 @@ static int create_points(struct mpm *mpm, int n, const struct birth *births)
 	struct mpm_work *w = mpm_work(mpm);
 	const struct scene *scene = mpm->scene;
 	CHECK(particles_create(&mpm->p, n));
+	CHECK(freezing_create(mpm));
 	int next[scene->n_laws + 1];
 	memset(next, 0, sizeof next);
 	for (int k = 0; k < n; k++) {
@@ -370,7 +374,7 @@ static int create_all(struct mpm *mpm)
 	/* one look at the grid: the smooth temperature, and is the step stable? */
 	mpm_sort(mpm);
 	mpm_clear_grid(mpm);
-	mpm_work(mpm)->thermal_dt = mpm->thermal ? mpm->dt * scene->time.thermal_every : 0.0;
+	mpm_work(mpm)->thermal_dt = mpm->thermal ? mpm_thermal_step(mpm) : 0.0;
 	mpm_points_to_grid(mpm);
 	if (mpm->thermal)
 		mpm_remap_temperature(mpm);
@@ -415,10 +419,10 @@ void mpm_free(struct mpm *mpm)
 	if (w) {
 		walls_free(mpm);
 		boundaries_free(mpm);
-		void *private[] = {w->half,       w->law_start,   w->law_names,  w->law_of_scene,  w->conductivity,
-						   w->cell,       w->order,       w->cell_first, w->row_low,       w->row_high,
-						   w->scratch,    w->permutation, w->sums,       w->confining,     w->stripe_sums,
-						   w->block_sums, w->row_sums,    w->heat_sums,  w->start_warming, w->seen};
+		void *private[] = {
+			w->half,        w->law_start,  w->law_names, w->law_of_scene, w->conductivity,  w->cell, w->order,
+			w->cell_first,  w->row_low,    w->row_high,  w->scratch,      w->permutation,   w->sums, w->confining,
+			w->stripe_sums, w->block_sums, w->row_sums,  w->heat_sums,    w->start_warming, w->seen, w->freezing};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);

@@ -28,7 +28,8 @@ struct particles {
 	double *dT;         /* K, the increment of T_smooth that the law saw in the last step */
 	double *heat;       /* W/m3, from the law */
 	double (*conductivity)[3]; /* W/(m K): xx yy xy */
-	double *capacity;   /* J/(kg K) */
+	double *capacity;   /* J/(kg K), sensible */
+	double *thawed;     /* share of the point's mass that is not frozen; 1 where nothing freezes */
 	double *heat_pending; /* J, heat of the law that waits for the next thermal step */
 	double *heat_friction_sum; /* J/m3 of initial volume, heat received from the law so far */
 };

@@ -3,6 +3,11 @@
 
 #include "mpm/mpm_private.h"
 
+double mpm_thermal_step(const struct mpm *mpm)
+{
+	return mpm->dt * mpm->scene->time.thermal_every * mpm->scene->thermal.time_scale;
+}
+
 void stage_begin_step(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
@@ -14,7 +19,7 @@ void stage_begin_step(struct mpm *mpm)
 	w->alpha_pic = scene->mpm.pic_fraction;
 	int every = scene->time.thermal_every;
 	bool due = mpm->thermal && (mpm->step + 1) % every == 0;
-	w->thermal_dt = due ? mpm->dt * every : 0.0;
+	w->thermal_dt = due ? mpm_thermal_step(mpm) : 0.0;
 }
 
 /* What the velocities take with them is lost, and booked. */

@@ -69,16 +69,31 @@ static struct heat_sum end_row(struct mpm *mpm, struct mpm_work *w, int j)
 	return sum;
 }
 
-/* W/m3 that prescribed fluxes bring to a point (the virtual layer of eq. 10). */
-static double flux_density(const struct mpm *mpm, const struct mpm_work *w, const double x[2])
+static bool reaches(const struct point_heat *heat, const double x[2])
+{
+	const struct scene_boundary *b = heat->boundary;
+	return heat->on && x[0] >= b->min[0] && x[0] <= b->max[0] && x[1] >= b->min[1] && x[1] <= b->max[1];
+}
+
+/* W/m3 that fluxes and convection bring to a point (the virtual layer of eq. 10); T: of the grid at the point, K. */
+static double boundary_heat(const struct mpm_work *w, const double x[2], double T)
 {
 	double sum = 0.0;
-	for (int f = 0; f < w->n_flux; f++) {
-		const struct scene_boundary *b = &mpm->scene->boundaries[w->flux[f]];
-		if (w->boundary_on[w->flux[f]] && x[0] >= b->min[0] && x[0] <= b->max[0] && x[1] >= b->min[1] &&
-			x[1] <= b->max[1])
-			sum += b->flux / b->layer;
+	for (int f = 0; f < w->n_point_heats; f++) {
+		const struct point_heat *heat = &w->point_heats[f];
+		if (reaches(heat, x))
+			sum += (heat->flux + heat->coefficient * (heat->ambient - T)) / heat->boundary->layer;
 	}
+	return sum;
+}
+
+double mpm_convection_at(const struct mpm *mpm, int p, double volume)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	double sum = 0.0;
+	for (int f = 0; f < w->n_point_heats; f++)
+		if (reaches(&w->point_heats[f], mpm->p.x[p]))
+			sum += w->point_heats[f].coefficient / w->point_heats[f].boundary->layer * volume;
 	return sum;
 }
 
@@ -110,16 +125,23 @@ static inline __attribute__((always_inline)) void scatter_flow(const struct mpm 
 		gx += lists->grad_x[at + a] * T;
 		gy += lists->grad_y[at + a] * T;
 	}
-	double k = w->conductivity[points->material[p]];
-	const double *tensor = points->conductivity[p];
-	double kxx = isnan(k) ? tensor[0] : k, kyy = isnan(k) ? tensor[1] : k, kxy = isnan(k) ? tensor[2] : 0.0;
-	double volume = mat2_determinant(points->F[p]) * points->volume0[p];
-	double qx = -volume * (kxx * gx + kxy * gy), qy = -volume * (kxy * gx + kyy * gy);
+	double k[3], volume = mat2_determinant(points->F[p]) * points->volume0[p];
+	mpm_point_conductivity(mpm, p, k);
+	double qx = -volume * (k[0] * gx + k[2] * gy), qy = -volume * (k[2] * gx + k[1] * gy);
 	for (int a = 0; a < nodes; a++)
 		w->sums[lists->node[at + a]].flow +=
 			lists->grad_x[at + a] * qx + lists->grad_y[at + a] * qy + lists->weight[at + a] * source;
 	if (first_pass && w->imposes_T)
 		lift_point(mpm, w, lists, at, p, nodes, gx, gy);
+}
+
+/* K, of the grid as it stands in this thermal sub-step. */
+static double temperature_at(const struct mpm *mpm, const struct shape_lists *lists, int at, int nodes)
+{
+	double T = 0.0;
+	for (int a = 0; a < nodes; a++)
+		T += lists->weight[at + a] * mpm->grid.T_new[lists->node[at + a]];
+	return T;
 }
 
 static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, struct mpm_work *w, int stripe,
@@ -136,10 +158,12 @@ static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, s
 		for (int k = 0; k < n; k++) {
 			int p = chunk[k];
 			double source = points->heat_pending[p] / w->thermal_dt; /* W */
-			if (w->n_flux) {
-				double flux = flux_density(mpm, w, points->x[p]) * mat2_determinant(points->F[p]) * points->volume0[p];
-				sum->heat_flux += flux * dt;
-				source += flux;
+			if (w->n_point_heats) {
+				double T = temperature_at(mpm, &lists, k * nodes, nodes);
+				double flow = boundary_heat(w, points->x[p], T) * mat2_determinant(points->F[p]) * points->volume0[p];
+				sum->heat_in += flow > 0.0 ? flow * dt : 0.0;
+				sum->heat_out -= flow < 0.0 ? flow * dt : 0.0;
+				source += flow;
 			}
 			scatter_flow(mpm, w, &lists, k * nodes, p, nodes, source, first_pass);
 			if (last_pass) {

@@ -133,6 +133,8 @@ static void report_fill(struct json *json, const struct run *run, const char *st
 	json_integer(json, "step", run->mpm->step);
 	json_number(json, "time", run->mpm->time);
 	json_number(json, "dt", run->mpm->dt);
+	if (run->mpm->thermal)
+		json_number(json, "thermal_time_scale", run->scene->thermal.time_scale);
 	report_times(json, run);
 	report_counts(json, run);
 	report_outcome(json, run, state);

@@ -15,6 +15,7 @@
 	.element_size = sizeof *((struct s *)0)->array
 #define CHOICES(...) .choices = (const char *const[]){__VA_ARGS__, NULL}
 #define KEYS(table) .tables = (const struct scene_table[]){{NULL, table}, {NULL, NULL}}
+#define SERIES .expected = "rows ([s, value], [s, value], ...), two at least, in the order of time"
 #define END {.name = NULL}
 
 static const struct scene_key units_keys[] = {
@@ -68,6 +69,8 @@ static const struct scene_key thermal_keys[] = {
 	 .doc = "heat is conducted and stored; false = no thermal pass"},
 	{.name = "friction_heat", .type = KEY_BOOL, AT(scene_thermal, friction_heat), .value = "true",
 	 .doc = "friction between the discs of RVEs heats the points"},
+	{.name = "time_scale", .type = KEY_FLOAT, AT(scene_thermal, time_scale), .value = "1.0", .range = RANGE_POSITIVE,
+	 .doc = "heat conduction, fluxes and convection run so many times faster than the mechanics; friction heat, times of tables and from/until do not"},
 	END};
 
 /* ---- laws ---- */
@@ -166,7 +169,16 @@ static const struct scene_key material_keys[] = {
 	{.name = "conductivity", .type = KEY_FLOAT, AT(scene_material, conductivity), .unit = "W/(m K)", .range = RANGE_NOT_NEGATIVE,
 	 .absent = "from the contacts of an rve; thermoelastic: only without heat", .doc = "thermal conductivity"},
 	{.name = "reference_temperature", .type = KEY_TEMPERATURE, AT(scene_material, reference_temperature),
-	 .absent = "the body's temperature", .doc = "at which the thermal strain is zero"},
+	 .absent = "the temperature at the start", .doc = "at which the thermal strain is zero"},
+	{.name = "freezing", .type = KEY_CUSTOM, AT(scene_material, freezing), .absent = "it does not freeze", .read = read_freezing,
+	 .expected = "two temperatures [frozen below, thawed above], the same or rising",
+	 .doc = "[frozen below, thawed above]; between them the latent heat is spread evenly; heat_capacity and conductivity are those of the thawed material"},
+	{.name = "latent_heat", .type = KEY_FLOAT, AT(scene_material, latent_heat), .unit = "J/kg", .absent = "none", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "that thawing takes and freezing gives, per mass of the bulk"},
+	{.name = "heat_capacity_frozen", .type = KEY_FLOAT, AT(scene_material, heat_capacity_frozen), .unit = "J/(kg K)", .range = RANGE_POSITIVE,
+	 .absent = "heat_capacity", .doc = "when frozen"},
+	{.name = "conductivity_frozen", .type = KEY_FLOAT, AT(scene_material, conductivity_frozen), .unit = "W/(m K)", .range = RANGE_NOT_NEGATIVE,
+	 .absent = "as when thawed", .doc = "when frozen, also of an rve"},
 	END};
 
 /* ---- bodies and walls ---- */
@@ -192,6 +204,10 @@ static const struct scene_key body_keys[] = {
 	{.name = "points_per_cell", .type = KEY_INT, AT(scene_body, points_per_cell), .value = "4", .range = RANGE_WITHIN, .min = 1, .max = 16,
 	 .doc = "1, 4, 9 or 16; the spacing is cell / sqrt(points_per_cell)"},
 	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_body, temperature), .absent = "20 C", .doc = "at the start"},
+	{.name = "temperature_gradient", .type = KEY_FLOATS, AT(scene_body, temperature_gradient), .count = 2, .unit = "K/m", .value = "[0.0, 0.0]",
+	 .doc = "at the start, added to the temperatures of the body and its layers"},
+	{.name = "temperature_at", .type = KEY_FLOATS, AT(scene_body, temperature_at), .count = 2, .unit = "m",
+	 .absent = "the lower left corner of the box around the body", .doc = "where those temperatures hold"},
 	{.name = "velocity", .type = KEY_FLOATS, AT(scene_body, velocity), .count = 2, .unit = "m/s", .value = "[0.0, 0.0]",
 	 .doc = "at the start"},
 	{.name = "variants", .type = KEY_INT, AT(scene_body, variants), .value = "1", .range = RANGE_WITHIN, .min = 1, .max = 1000,
@@ -221,6 +237,8 @@ static const struct scene_key wall_keys[] = {
 	 .doc = "the wall moves with it while it is active"},
 	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_wall, temperature), .absent = "insulating",
 	 .doc = "of nodes in contact with the wall"},
+	{.name = "temperature_table", .type = KEY_CUSTOM, AT(scene_wall, temperature_table), .absent = "constant", .read = read_temperature_series, SERIES,
+	 .doc = "or as it changes in time: ([s, temperature], ...), linear between the rows, held outside them"},
 	{.name = "heat_share", .type = KEY_FLOAT, AT(scene_wall, heat_share), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
 	 .doc = "share of the friction work at the wall that heats the material"},
 	{.name = "from", .type = KEY_FLOAT, AT(scene_wall, from), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
@@ -231,18 +249,33 @@ static const struct scene_key wall_keys[] = {
 	 .doc = "false leaves the wall out of the scene, for variants"},
 	END};
 
+static const struct scene_key convection_keys[] = {
+	{.name = "coefficient", .type = KEY_FLOAT, AT(scene_convection, coefficient), .unit = "W/(m2 K)", .absent = "no convection", .range = RANGE_POSITIVE,
+	 .doc = "of heat transfer"},
+	{.name = "ambient", .type = KEY_TEMPERATURE, AT(scene_convection, ambient), .absent = "only with ambient_table",
+	 .doc = "temperature of the surroundings"},
+	{.name = "ambient_table", .type = KEY_CUSTOM, AT(scene_convection, ambient_table), .absent = "constant", .read = read_temperature_series, SERIES,
+	 .doc = "or as it changes in time: ([s, temperature], ...)"},
+	END};
+
 static const struct scene_key boundary_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_boundary, name), .required = true, .doc = "of the boundary"},
 	{.name = "box", .type = KEY_CUSTOM, AT(scene_boundary, min), .n_offset = offsetof(struct scene_boundary, max), .unit = "m", .required = true, .read = read_box,
-	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "nodes in [xmin, ymin, xmax, ymax] (which may have no width); points, for a flux"},
+	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "nodes in [xmin, ymin, xmax, ymax] (which may have no width); points, for a flux or convection"},
 	{.name = "velocity_x", .type = KEY_FLOAT, AT(scene_boundary, velocity[0]), .unit = "m/s", .absent = "free",
 	 .doc = "imposed on the nodes"},
 	{.name = "velocity_y", .type = KEY_FLOAT, AT(scene_boundary, velocity[1]), .unit = "m/s", .absent = "free",
 	 .doc = "imposed on the nodes"},
 	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_boundary, temperature), .absent = "free", .doc = "imposed on the nodes"},
+	{.name = "temperature_table", .type = KEY_CUSTOM, AT(scene_boundary, temperature_table), .absent = "constant", .read = read_temperature_series, SERIES,
+	 .doc = "or as it changes in time: ([s, temperature], ...), linear between the rows, held outside them"},
 	{.name = "flux", .type = KEY_FLOAT, AT(scene_boundary, flux), .unit = "W/m2", .absent = "none", .doc = "heat into the material"},
+	{.name = "flux_table", .type = KEY_CUSTOM, AT(scene_boundary, flux_table), .unit = "W/m2", .absent = "constant", .read = read_series, SERIES,
+	 .doc = "or as it changes in time: ([s, flux], ...)"},
+	{.name = "convection", .type = KEY_GROUP, AT(scene_boundary, convection), KEYS(convection_keys),
+	 .doc = "heat exchanged with the surroundings: coefficient (ambient - temperature in the layer)"},
 	{.name = "layer", .type = KEY_FLOAT, AT(scene_boundary, layer), .unit = "m", .absent = "one cell", .range = RANGE_POSITIVE,
-	 .doc = "thickness over which the flux enters"},
+	 .doc = "thickness over which a flux enters or convection acts"},
 	{.name = "from", .type = KEY_FLOAT, AT(scene_boundary, from), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
 	 .doc = "active from this time"},
 	{.name = "until", .type = KEY_FLOAT, AT(scene_boundary, until), .unit = "s", .absent = "for ever", .range = RANGE_POSITIVE,

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <libconfig.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -293,6 +294,34 @@ void scene_free(struct scene *scene)
 	if (scene)
 		arena_free(scene->storage);
 	free(scene);
+}
+
+/* ---- values in time ---- */
+
+double scene_value_at(double constant, const struct scene_series *series, double time)
+{
+	const double(*rows)[2] = (const double(*)[2])series->rows;
+	if (series->n == 0)
+		return constant;
+	int k = 0;
+	while (k < series->n && rows[k][0] <= time)
+		k++;
+	if (k == 0 || k == series->n)
+		return rows[k ? k - 1 : 0][1];
+	double share = (time - rows[k - 1][0]) / (rows[k][0] - rows[k - 1][0]);
+	return rows[k - 1][1] + share * (rows[k][1] - rows[k - 1][1]);
+}
+
+bool scene_wall_heats(const struct scene_wall *wall) { return !isnan(wall->temperature) || wall->temperature_table.n; }
+
+bool scene_boundary_heats_nodes(const struct scene_boundary *boundary)
+{
+	return !isnan(boundary->temperature) || boundary->temperature_table.n;
+}
+
+bool scene_boundary_heats_points(const struct scene_boundary *boundary)
+{
+	return !isnan(boundary->flux) || boundary->flux_table.n || boundary->convection.coefficient > 0.0;
 }
 
 /* ---- temperatures ---- */
