@@ -135,12 +135,12 @@ static inline __attribute__((always_inline)) void scatter_flow(const struct mpm 
 		lift_point(mpm, w, lists, at, p, nodes, gx, gy);
 }
 
-/* K, of the grid as it stands in this thermal sub-step. */
-static double temperature_at(const struct mpm *mpm, const struct shape_lists *lists, int at, int nodes)
+/* K, of the grid at a point. */
+static double temperature_at(const double *grid_T, const struct shape_lists *lists, int at, int nodes)
 {
 	double T = 0.0;
 	for (int a = 0; a < nodes; a++)
-		T += lists->weight[at + a] * mpm->grid.T_new[lists->node[at + a]];
+		T += lists->weight[at + a] * grid_T[lists->node[at + a]];
 	return T;
 }
 
@@ -159,7 +159,7 @@ static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, s
 			int p = chunk[k];
 			double source = points->heat_pending[p] / w->thermal_dt; /* W */
 			if (w->n_point_heats) {
-				double T = temperature_at(mpm, &lists, k * nodes, nodes);
+				double T = temperature_at(mpm->grid.T_new, &lists, k * nodes, nodes);
 				double flow = boundary_heat(w, points->x[p], T) * mat2_determinant(points->F[p]) * points->volume0[p];
 				sum->heat_in += flow > 0.0 ? flow * dt : 0.0;
 				sum->heat_out -= flow < 0.0 ? flow * dt : 0.0;
@@ -210,20 +210,33 @@ void mpm_heat_nodes(struct mpm *mpm)
 		w->heat_sums[j] = end_row(mpm, w, j);
 }
 
+/* The gradient that a body begins with, read off at imposed nodes as the steps will do. */
+static void lift_at_birth(struct mpm *mpm, struct mpm_work *w)
+{
+	struct shape_lists lists;
+	for (int i = 0; i < w->n_inside; i++) {
+		int p = w->order[i];
+		const double *g = mpm->scene->bodies[mpm->p.body[p]].temperature_gradient;
+		mpm->shape->fill(&w->shape_grid, 1, &p, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
+		lift_point(mpm, w, &lists, 0, p, mpm->shape->max_nodes, g[0], g[1]);
+	}
+	for (int node = 0; node < mpm->grid.nx * mpm->grid.ny; node++)
+		if (!isnan(w->fixed_T[node]) && w->sums[node].capacity > 0.0)
+			mpm->grid.T[node] += w->fixed_lift[node] / w->sums[node].capacity;
+}
+
 /* The smooth temperature at birth: what the law will see change. */
 void mpm_remap_temperature(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	struct shape_lists lists;
-	int nodes = mpm->shape->max_nodes;
 	for (int j = 0; j < mpm->grid.ny; j++)
 		begin_row(mpm, w, j);
+	if (w->imposes_T)
+		lift_at_birth(mpm, w);
 	for (int i = 0; i < w->n_inside; i++) {
 		int p = w->order[i];
 		mpm->shape->fill(&w->shape_grid, 1, &p, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
-		double T = 0.0;
-		for (int a = 0; a < nodes; a++)
-			T += lists.weight[a] * mpm->grid.T[lists.node[a]];
-		mpm->p.T_smooth[p] = T;
+		mpm->p.T_smooth[p] = temperature_at(mpm->grid.T, &lists, 0, mpm->shape->max_nodes);
 	}
 }
