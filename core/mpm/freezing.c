@@ -43,21 +43,25 @@ void freezing_begin(struct mpm *mpm, int p)
 		set_share(mpm, f, p, T >= f->high ? 1.0 : T <= f->low ? 0.0 : (T - f->low) / (f->high - f->low));
 }
 
-double freezing_content(const struct mpm *mpm, int p)
+/* J/kg, counted from all frozen at f->low. */
+static double enthalpy(const struct freezing *f, double T, double share)
 {
-	const struct freezing *f = &mpm_work(mpm)->freezing[mpm->p.material[p]];
-	double T = mpm->p.T[p], share = mpm->p.thawed[p];
-	if (!f->on)
-		return mpm->p.capacity[p] * T;
 	if (share >= 1.0)
 		return f->all + f->thawed * (T - f->high);
 	return share > 0.0 ? f->all * share : f->frozen * (T - f->low);
 }
 
+double freezing_heat(const struct mpm *mpm, int p)
+{
+	const struct freezing *f = &mpm_work(mpm)->freezing[mpm->p.material[p]];
+	double m = mpm->p.mass[p], T = mpm->p.T[p];
+	return f->on ? m * enthalpy(f, T, mpm->p.thawed[p]) : m * mpm->p.capacity[p] * T;
+}
+
 void freezing_absorb(struct mpm *mpm, int p, double dT)
 {
 	const struct freezing *f = &mpm_work(mpm)->freezing[mpm->p.material[p]];
-	double content = freezing_content(mpm, p) + mpm->p.capacity[p] * dT;
+	double content = enthalpy(f, mpm->p.T[p], mpm->p.thawed[p]) + mpm->p.capacity[p] * dT;
 	if (content >= f->all) {
 		mpm->p.T[p] = f->high + (content - f->all) / f->thawed;
 		set_share(mpm, f, p, 1.0);

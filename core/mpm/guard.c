@@ -18,7 +18,7 @@ static void find_limits(const struct mpm *mpm, double *wave, int *stiffest, doub
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	const struct scene_time *t = &mpm->scene->time;
-	double stiffness = 0.0, diffusivity = 0.0, h = mpm->grid.h;
+	double stiffness = 0.0, diffusivity = 0.0, h = fmin(mpm->grid.spacing[0], mpm->grid.spacing[1]);
 	*stiffest = *most_diffusive = -1;
 	for (int s = 0; s < w->n_stripes; s++) {
 		const struct stripe_sum *sum = &w->stripe_sums[s];
@@ -69,7 +69,7 @@ int guard_step(struct mpm *mpm, int status)
 			"in %d, thermal.time_scale %g); cure: time.step of %.2g s or less, or time.thermal_steps = %d (state: "
 			"start "
 			"of the step)",
-			text, dt, heat, mpm_convection_at(mpm, diffusive, 1.0) > 0.0 ? ", less what convection takes" : "",
+			text, dt, heat, mpm_convection_as_conduction(mpm, diffusive, 1.0) > 0.0 ? ", less what convection takes" : "",
 			mpm->scene->time.thermal_steps, mpm->scene->time.thermal_every, mpm->scene->thermal.time_scale, heat,
 			(int)ceil(dt / heat * mpm->scene->time.thermal_steps));
 	}

@@ -200,7 +200,7 @@ static void measure_points(const struct mpm *mpm, struct mpm_ledger *l)
 		double m = p->mass[k], volume = p->volume0[k];
 		l->energy_kinetic += 0.5 * m * (p->v[k][0] * p->v[k][0] + p->v[k][1] * p->v[k][1]);
 		l->energy_gravity -= m * (g[0] * p->x[k][0] + g[1] * p->x[k][1]);
-		l->energy_thermal += mpm->thermal ? m * freezing_content(mpm, k) : 0.0;
+		l->energy_thermal += mpm->thermal ? freezing_heat(mpm, k) : 0.0;
 		l->energy_elastic += volume * law.elastic;
 		l->energy_rve_kinetic += volume * law.kinetic;
 		l->heat_rve_friction += volume * law.friction;

@@ -13,11 +13,12 @@
 
 struct shape; /* shape.h */
 
-/* Nodes nx by ny, node (i, j) = j * nx + i at origin + (i, j) h; one ghost cell lies around the scene's box.
+/* Nodes nx by ny, node (i, j) = j * nx + i at origin + (i, j) spacing; one ghost cell lies around the scene's box.
  * Arrays have nx * ny entries and are valid after a step where mass > 0. */
 struct grid {
 	int nx, ny;
-	double origin[2], h, thickness; /* m */
+	double origin[2], spacing[2]; /* m, as they are now: a grid may follow a wall (grid.c) */
+	double h, thickness;  /* m, edge of a cell at the start; out of plane */
 	double *mass;         /* kg */
 	double (*v)[2];       /* m/s, at the start of the step (momentum / mass, walls not yet felt) */
 	double (*v_new)[2];   /* m/s, at its end */

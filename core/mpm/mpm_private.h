@@ -209,6 +209,13 @@ size_t particles_widest(void);
 /* Appends the columns to the list of state arrays (or only counts). */
 int particles_state(struct particles *p, struct mpm_state_array *arrays, int at);
 
+/* ---- grid.c ---- */
+#define GRID_LEAST                                                                                                     \
+	0.5 /* least cell edge of a grid that follows a wall, of that at the start; its inverse the largest */
+int grid_create(struct mpm *mpm);
+/* Puts the nodes where they are in this step; STATUS_GUARD if a grid that follows a wall has been stretched too far. */
+int grid_place(struct mpm *mpm);
+
 /* ---- sort.c ---- */
 void mpm_sort(struct mpm *mpm);
 void mpm_resort_storage(struct mpm *mpm);
@@ -223,8 +230,8 @@ void mpm_grid_to_points(struct mpm *mpm);
 /* ---- thermal.c ---- */
 void mpm_heat_nodes(struct mpm *mpm);
 void mpm_remap_temperature(struct mpm *mpm);
-/* W/K, what convection adds to the stiffness of a point's heat balance. */
-double mpm_convection_at(const struct mpm *mpm, int p, double volume);
+/* W m2/K: the conductivity times volume that would take as much of the step limit as convection at a point. */
+double mpm_convection_as_conduction(const struct mpm *mpm, int p, double volume);
 
 /* ---- freezing.c ---- */
 int freezing_create(struct mpm *mpm);
@@ -232,8 +239,8 @@ int freezing_create(struct mpm *mpm);
 void freezing_begin(struct mpm *mpm, int p);
 /* Gives a point of a freezing material the sensible heat of dT, K, and finds its temperature. */
 void freezing_absorb(struct mpm *mpm, int p, double dT);
-/* Heat content of a point, J/kg, up to a constant of its material. */
-double freezing_content(const struct mpm *mpm, int p);
+/* Heat content of a point, J, up to a constant of its material. */
+double freezing_heat(const struct mpm *mpm, int p);
 
 /* ---- wall.c ---- */
 int walls_create(struct mpm *mpm);

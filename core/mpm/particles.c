@@ -164,7 +164,7 @@ const struct field particle_fields[] = {
 	[FIELD_HEAT_FRICTION] = {"heat_friction", "J/m3", 1, "heat received from the law so far, per initial volume"},
 	[FIELD_CONDUCTIVITY] = {"conductivity", "W/(m K)", 6,
 							"conductivity tensor; zz is 0 where a law knows the plane only"},
-	[FIELD_THAWED] = {"thawed_fraction", "-", 1, "share of the mass that is not frozen; 1 where nothing freezes"},
+	[FIELD_THAWED] = {"thawed_fraction", "-", 1, "share of the mass that is not frozen; only where something freezes"},
 	[FIELD_DENSITY] = {"density", "kg/m3", 1, "bulk density"},
 	[FIELD_VOLUME] = {"volume", "m3", 1, "volume, with the grid's thickness"},
 	[FIELD_MASS] = {"mass", "kg", 1, "mass, with the grid's thickness"},
@@ -172,6 +172,14 @@ const struct field particle_fields[] = {
 	[FIELD_BODY] = {"body", "-", 1, "number of the body in the scene"},
 };
 const int particle_fields_count = sizeof particle_fields / sizeof *particle_fields;
+
+bool particle_field_applies(const struct scene *scene, int f)
+{
+	bool applies = f != FIELD_THAWED;
+	for (int m = 0; m < scene->n_materials; m++)
+		applies = applies || !isnan(scene->materials[m].freezing[0]);
+	return applies;
+}
 
 /* sqrt(2/3 e':e') with e' = e - tr(e)/2 I, in the plane. */
 static double deviatoric(double xx, double yy, double xy)

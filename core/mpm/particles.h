@@ -3,9 +3,11 @@
 #ifndef TMDEMPM_MPM_PARTICLES_H
 #define TMDEMPM_MPM_PARTICLES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/field.h"
+#include "scene/scene.h"
 
 struct particles {
 	int n;
@@ -38,6 +40,9 @@ struct particles {
  * deviatoric strain, temperature, heat source, density ... */
 extern const struct field particle_fields[];
 extern const int particle_fields_count;
+
+/* Has field f a meaning in this scene? */
+bool particle_field_applies(const struct scene *scene, int f);
 
 struct mpm;
 

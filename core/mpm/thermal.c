@@ -87,14 +87,14 @@ static double boundary_heat(const struct mpm_work *w, const double x[2], double 
 	return sum;
 }
 
-double mpm_convection_at(const struct mpm *mpm, int p, double volume)
+double mpm_convection_as_conduction(const struct mpm *mpm, int p, double volume)
 {
 	const struct mpm_work *w = mpm_work(mpm);
-	double sum = 0.0;
+	double sum = 0.0, h = fmin(mpm->grid.spacing[0], mpm->grid.spacing[1]);
 	for (int f = 0; f < w->n_point_heats; f++)
 		if (reaches(&w->point_heats[f], mpm->p.x[p]))
-			sum += w->point_heats[f].coefficient / w->point_heats[f].boundary->layer * volume;
-	return sum;
+			sum += w->point_heats[f].coefficient / w->point_heats[f].boundary->layer;
+	return 0.25 * h * h * sum * volume;
 }
 
 /* What the slope of the temperature says of imposed nodes from where the point is. */
@@ -107,7 +107,8 @@ static void lift_point(const struct mpm *mpm, struct mpm_work *w, const struct s
 		int node = lists->node[at + a];
 		if (isnan(w->fixed_T[node]))
 			continue;
-		double x = grid->origin[0] + node % grid->nx * grid->h, y = grid->origin[1] + node / grid->nx * grid->h;
+		double x = grid->origin[0] + node % grid->nx * grid->spacing[0],
+			   y = grid->origin[1] + node / grid->nx * grid->spacing[1];
 		w->fixed_lift[node] +=
 			capacity * lists->weight[at + a] * (gx * (x - mpm->p.x[p][0]) + gy * (y - mpm->p.x[p][1]));
 	}

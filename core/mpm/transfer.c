@@ -77,8 +77,8 @@ INLINE void check_point_heat(const struct mpm *mpm, const struct mpm_work *w, st
 	mpm_point_conductivity(mpm, p, tensor);
 	double k = fmax(tensor[0], tensor[1]) + fabs(tensor[2]); /* bounds the larger eigenvalue */
 	double flow = k * volume;
-	if (w->n_point_heats) /* takes as much of the limit as conductivity would */
-		flow += 0.25 * mpm->grid.h * mpm->grid.h * mpm_convection_at(mpm, p, volume);
+	if (w->n_point_heats)
+		flow += mpm_convection_as_conduction(mpm, p, volume);
 	double diffusivity = flow / (points->mass[p] * points->capacity[p]);
 	if (diffusivity > sum->diffusivity)
 		sum->diffusivity = diffusivity, sum->most_diffusive = p;
@@ -300,8 +300,8 @@ INLINE void move_point(struct particles *p, int k, const struct gathered *g, con
 
 static bool inside(const struct mpm_work *w, const double x[2])
 {
-	double s = w->shape_grid.inverse_h, fx = (x[0] - w->shape_grid.origin[0]) * s,
-		   fy = (x[1] - w->shape_grid.origin[1]) * s;
+	const double *s = w->shape_grid.inverse_h;
+	double fx = (x[0] - w->shape_grid.origin[0]) * s[0], fy = (x[1] - w->shape_grid.origin[1]) * s[1];
 	return fx >= GHOST_CELLS && fy >= GHOST_CELLS && fx <= w->cells_x - GHOST_CELLS && fy <= w->cells_y - GHOST_CELLS;
 }
 

@@ -32,6 +32,11 @@ static const struct scene_key grid_keys[] = {
 	 .doc = "edge of the square cells"},
 	{.name = "thickness", .type = KEY_FLOAT, AT(scene_grid, thickness), .unit = "m", .value = "1.0", .range = RANGE_POSITIVE,
 	 .doc = "out of plane; gives masses, forces and energies"},
+	{.name = "follow", .type = KEY_CUSTOM, .absent = "the grid stays as it is", .text = true, .read = read_grid_follow,
+	 .expected = "the name of a moving wall",
+	 .doc = "name of a moving wall: the grid is stretched with it, so that its face stays on a row of nodes"},
+	{.name = "fixed", .type = KEY_FLOATS, AT(scene_grid, fixed), .count = 2, .unit = "m", .absent = "the origin",
+	 .doc = "the place that does not move when the grid follows a wall"},
 	END};
 
 static const struct scene_key time_keys[] = {
@@ -113,6 +118,8 @@ static const struct scene_key thermoelastic_keys[] = {
 	 .min = -0.1, .max = 0.1, .doc = "linear thermal expansion"},
 	{.name = "plane", .type = KEY_FLAG, AT(scene_law, thermoelastic.plane_stress), .value = "\"strain\"", CHOICES("strain", "stress"),
 	 .doc = "what holds out of the plane"},
+	{.name = "elasticity", .type = KEY_FLAG, AT(scene_law, thermoelastic.neo_hookean), .value = "\"hencky\"", CHOICES("hencky", "neo_hookean"),
+	 .doc = "stress by logarithmic strain, for stretches from 0.21 to 1.39; or neo-Hookean, for large strain"},
 	END};
 
 static const struct scene_key rve_keys[] = {
