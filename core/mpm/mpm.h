@@ -74,6 +74,7 @@ struct mpm {
 	double dt;                 /* s, of the last step */
 	int stage;                 /* index of the current stage */
 	double stage_start;        /* s */
+	bool bonds_installed;      /* by the stage that ended with the last step */
 	struct mpm_wall_sums *walls; /* one for each scene wall */
 	double (*wall_offset)[2];  /* m, how far each wall has moved */
 	struct mpm_ledger ledger;  /* filled by mpm_measure(), which a step calls now and then to judge the residual */
