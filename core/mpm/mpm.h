@@ -98,7 +98,10 @@ int mpm_step(struct mpm *mpm);
 void mpm_measure(struct mpm *mpm);
 
 /* Sums over a box of the scene. */
-struct mpm_region_values { double mass, temperature; /* kg; K, mean by heat capacity, NAN if empty */ };
+struct mpm_region_values {
+	double mass, volume; /* kg, m3 */
+	double temperature;  /* K, mean by heat capacity, NAN if empty */
+};
 void mpm_region(const struct mpm *mpm, const struct scene_region *region, struct mpm_region_values *values);
 
 /* Storage index of the point with this id, or of the point nearest to `at` in the initial body. */

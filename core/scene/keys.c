@@ -281,7 +281,7 @@ static const struct scene_key probe_keys[] = {
 
 static const struct scene_key region_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_region, name), .required = true,
-	 .doc = "its columns are region.NAME.mass, flow and temperature in the history"},
+	 .doc = "its columns are region.NAME.mass, flow, volume and temperature in the history"},
 	{.name = "box", .type = KEY_CUSTOM, AT(scene_region, min), .n_offset = offsetof(struct scene_region, max), .unit = "m", .required = true, .read = read_box,
 	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "[xmin, ymin, xmax, ymax]"},
 	END};
@@ -358,7 +358,7 @@ static const struct scene_key root_keys[] = {
 	 .doc = "protocols: stages of one run, one after the other"},
 	{.name = "probes", LIST(scene, probes, n_probes), KEYS(probe_keys), .absent = "none", .doc = "points recorded in history.csv"},
 	{.name = "regions", LIST(scene, regions, n_regions), KEYS(region_keys), .absent = "none",
-	 .doc = "boxes whose mass, flow and mean temperature go to history.csv"},
+	 .doc = "boxes whose mass, flow, volume and mean temperature go to history.csv"},
 	{.name = "inspect", LIST(scene, inspect, n_inspect), KEYS(inspect_keys), .absent = "none",
 	 .doc = "RVEs written to files with their path, to be drawn"},
 	{.name = "output", .type = KEY_GROUP, AT(scene, output), KEYS(output_keys), .doc = "what is written, how often"},
