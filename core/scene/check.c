@@ -135,9 +135,17 @@ static void check_laws(struct loader *loader)
 {
 	for (int k = 0; k < loader->scene->n_laws; k++) {
 		char path[PATH_LENGTH];
+		const struct scene_law *law = &loader->scene->laws[k];
 		law_path(loader, k, path);
-		if (loader_clean(loader, "%s", path) && loader->scene->laws[k].type == SCENE_LAW_RVE)
-			check_packing(loader, &loader->scene->laws[k].rve.packing, path);
+		if (!loader_clean(loader, "%s", path))
+			continue;
+		if (law->type == SCENE_LAW_RVE) {
+			check_packing(loader, &law->rve.packing, path);
+		} else if (law->thermoelastic.neo_hookean && law->thermoelastic.plane_stress) {
+			char key[PATH_LENGTH];
+			problem_of(loader, path_print(key, "%s.plane", path),
+					   "is \"stress\", expected \"strain\" with elasticity = \"neo_hookean\"");
+		}
 	}
 }
 

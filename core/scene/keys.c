@@ -115,6 +115,8 @@ static const struct scene_key thermoelastic_keys[] = {
 	 .min = -0.1, .max = 0.1, .doc = "linear thermal expansion"},
 	{.name = "plane", .type = KEY_FLAG, AT(scene_law, thermoelastic.plane_stress), .value = "\"strain\"", CHOICES("strain", "stress"),
 	 .doc = "what holds out of the plane"},
+	{.name = "elasticity", .type = KEY_FLAG, AT(scene_law, thermoelastic.neo_hookean), .value = "\"hencky\"", CHOICES("hencky", "neo_hookean"),
+	 .doc = "stress by logarithmic strain, for stretches from 0.21 to 1.39; or neo-Hookean, for large strain"},
 	END};
 
 static const struct scene_key rve_keys[] = {

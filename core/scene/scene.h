@@ -66,6 +66,7 @@ struct scene_law_thermoelastic {
 	double poisson;    /* - */
 	double expansion;  /* 1/K, linear */
 	bool plane_stress; /* default false: plane strain */
+	bool neo_hookean;  /* default false: hencky */
 };
 
 /* How to make (or where to find) the packing of an RVE law; see rve/packing.h. */
