@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "exact/exact.h"
 #include "io/h5.h"
 #include "run/bench.h"
 #include "run/run.h"
@@ -27,6 +28,8 @@ static const char help[] =
 	"      what is built in, what is missing and how to get it\n"
 	"  tmdempm rve pack|load|info ...\n"
 	"      makes packings, loads one RVE alone (tmdempm rve --help)\n"
+	"  tmdempm exact [NAME [--set parameter=value]... --at x,y --times a,b,c|from:to:n]\n"
+	"      exact solutions: what there is, or values as CSV\n"
 	"  tmdempm bench rve|mpm|image [--json]\n"
 	"      measures this machine\n"
 	"  tmdempm --help | --version\n"
@@ -235,7 +238,11 @@ int main(int argc, char **argv)
 	static const struct {
 		const char *name;
 		int (*command)(int argc, char **argv);
-	} commands[] = {{"run", command_run}, {"check", command_check}, {"info", command_info}, {"bench", command_bench}};
+	} commands[] = {{"run", command_run},
+					{"check", command_check},
+					{"info", command_info},
+					{"bench", command_bench},
+					{"exact", cli_exact}};
 	h5_start();
 	const char *name = argc > 1 ? argv[1] : "";
 	if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help"))
@@ -244,8 +251,8 @@ int main(int argc, char **argv)
 		return printf("tmdempm %s\n", TMDEMPM_VERSION), STATUS_OK;
 	if (!strcmp(name, "rve"))
 		return cli_rve(argc - 1, argv + 1);
-	int status = *name ? usage("`%s` is no command: expected run, check, info, rve or bench", name)
-					   : usage("%s", "which command? expected run, check, info, rve or bench");
+	int status = *name ? usage("`%s` is no command: expected run, check, info, rve, exact or bench", name)
+					   : usage("%s", "which command? expected run, check, info, rve, exact or bench");
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
 		if (!strcmp(name, commands[i].name))
 			status = commands[i].command(argc - 1, argv + 1);

@@ -73,6 +73,10 @@ struct law_type {
 	/* One step.  Parallel over points inside.  STATUS_GUARD with batch->failed and a message. */
 	int (*advance)(struct law *law, struct law_batch *batch);
 
+	/* Change of the first Piola-Kirchhoff stress P (row-major, Pa, in the plane) of an unheated point as its F changes in
+	 * the direction G: what a manufactured motion needs.  NULL where the law has no closed form for it. */
+	void (*piola_derivative)(const struct law *law, const double F[4], const double G[4], double dP[4]);
+
 	/* Field number f of n states into out[n * components]. */
 	void (*export_field)(const struct law *law, int f, int n, const int *slot, double *out);
 

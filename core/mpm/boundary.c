@@ -13,7 +13,8 @@ static void box_nodes(const struct mpm *mpm, const struct scene_boundary *b, int
 	const struct grid *grid = &mpm->grid;
 	const int count[2] = {grid->nx, grid->ny};
 	for (int c = 0; c < 2; c++) {
-		double min = (b->min[c] - grid->origin[c]) / grid->h, max = (b->max[c] - grid->origin[c]) / grid->h;
+		double min = (b->min[c] - grid->origin[c]) / grid->spacing[c],
+			   max = (b->max[c] - grid->origin[c]) / grid->spacing[c];
 		low[c] = min < GHOST_CELLS + ON_BOX ? 0 : (int)fmin(ceil(min - ON_BOX), count[c]);
 		high[c] = max > count[c] - 1 - GHOST_CELLS - ON_BOX ? count[c] - 1 : (int)fmax(floor(max + ON_BOX), -1.0);
 	}

@@ -18,7 +18,7 @@ static void find_limits(const struct mpm *mpm, double *wave, int *stiffest, doub
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	const struct scene_time *t = &mpm->scene->time;
-	double stiffness = 0.0, diffusivity = 0.0, h = mpm->grid.h;
+	double stiffness = 0.0, diffusivity = 0.0, h = fmin(mpm->grid.spacing[0], mpm->grid.spacing[1]);
 	*stiffest = *most_diffusive = -1;
 	for (int s = 0; s < w->n_stripes; s++) {
 		const struct stripe_sum *sum = &w->stripe_sums[s];

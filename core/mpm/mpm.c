@@ -68,6 +68,7 @@ int mpm_step(struct mpm *mpm)
 	long long start = now_ns();
 	CHECK(guard_residual(mpm));
 	stage_begin_step(mpm);
+	CHECK(grid_place(mpm));
 	walls_update(mpm);
 	boundaries_update(mpm);
 	mpm_sort(mpm);
@@ -104,37 +105,12 @@ int mpm_step(struct mpm *mpm)
 
 /* ---- birth ---- */
 
-static int create_grid(struct mpm *mpm)
-{
-	struct grid *grid = &mpm->grid;
-	const struct scene_grid *s = &mpm->scene->grid;
-	grid->h = s->cell;
-	grid->thickness = s->thickness;
-	grid->nx = (int)lround(s->size[0] / s->cell) + 1 + 2 * GHOST_CELLS;
-	grid->ny = (int)lround(s->size[1] / s->cell) + 1 + 2 * GHOST_CELLS;
-	for (int c = 0; c < 2; c++)
-		grid->origin[c] = s->origin[c] - GHOST_CELLS * s->cell;
-	size_t n = (size_t)grid->nx * (size_t)grid->ny;
-	grid->mass = calloc(n, sizeof *grid->mass);
-	grid->v = calloc(n, sizeof *grid->v);
-	grid->v_new = calloc(n, sizeof *grid->v_new);
-	grid->force = calloc(n, sizeof *grid->force);
-	bool complete = grid->mass && grid->v && grid->v_new && grid->force;
-	if (mpm->thermal) {
-		grid->heat_capacity = calloc(n, sizeof *grid->heat_capacity);
-		grid->T = calloc(n, sizeof *grid->T);
-		grid->T_new = calloc(n, sizeof *grid->T_new);
-		complete = complete && grid->heat_capacity && grid->T && grid->T_new;
-	}
-	return complete ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for a grid of %zu nodes", n);
-}
-
 static int create_work(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	const struct grid *grid = &mpm->grid;
 	size_t nodes = (size_t)grid->nx * (size_t)grid->ny, n = (size_t)mpm->p.n;
-	w->shape_grid = (struct shape_grid){{grid->origin[0], grid->origin[1]}, 1.0 / grid->h, grid->nx};
+	w->shape_grid.nx = grid->nx;
 	w->cells_x = grid->nx - 1, w->cells_y = grid->ny - 1;
 	w->n_stripes = (w->cells_y + STRIPE_ROWS - 1) / STRIPE_ROWS;
 	w->internal_force_scale = 1.0;
@@ -356,10 +332,11 @@ static int create_all(struct mpm *mpm)
 	if (!mpm->shape)
 		return error_set(STATUS_INPUT, "%s: mpm.shape = \"%s\" is unknown, see `tmdempm info` for what there is",
 						 scene->path, scene->mpm.shape);
-	CHECK(create_grid(mpm));
+	CHECK(grid_create(mpm));
 	CHECK(fill(mpm));
 	CHECK(create_work(mpm));
 	CHECK(walls_create(mpm));
+	CHECK(grid_place(mpm));
 	CHECK(boundaries_create(mpm));
 	CHECK(start_laws(mpm));
 	stage_begin_step(mpm);
@@ -498,6 +475,7 @@ int mpm_restored(struct mpm *mpm)
 						 mpm->step, mpm->stage);
 	w->boundaries_stale = true;
 	w->residual_message[0] = '\0';
+	CHECK(grid_place(mpm));
 	walls_update(mpm);
 	boundaries_update(mpm);
 	return STATUS_OK;

@@ -167,6 +167,13 @@ size_t particles_widest(void);
 /* Appends the columns to the list of state arrays (or only counts). */
 int particles_state(struct particles *p, struct mpm_state_array *arrays, int at);
 
+/* ---- grid.c ---- */
+#define GRID_LEAST                                                                                                     \
+	0.5 /* least cell edge of a grid that follows a wall, of that at the start; its inverse the largest */
+int grid_create(struct mpm *mpm);
+/* Puts the nodes where they are in this step; STATUS_GUARD if a grid that follows a wall has been stretched too far. */
+int grid_place(struct mpm *mpm);
+
 /* ---- sort.c ---- */
 void mpm_sort(struct mpm *mpm);
 void mpm_resort_storage(struct mpm *mpm);

@@ -92,7 +92,8 @@ static void lift_point(const struct mpm *mpm, struct mpm_work *w, const struct s
 		int node = lists->node[at + a];
 		if (isnan(w->fixed_T[node]))
 			continue;
-		double x = grid->origin[0] + node % grid->nx * grid->h, y = grid->origin[1] + node / grid->nx * grid->h;
+		double x = grid->origin[0] + node % grid->nx * grid->spacing[0],
+			   y = grid->origin[1] + node / grid->nx * grid->spacing[1];
 		w->fixed_lift[node] +=
 			capacity * lists->weight[at + a] * (gx * (x - mpm->p.x[p][0]) + gy * (y - mpm->p.x[p][1]));
 	}

@@ -299,8 +299,8 @@ INLINE void move_point(struct particles *p, int k, const struct gathered *g, con
 
 static bool inside(const struct mpm_work *w, const double x[2])
 {
-	double s = w->shape_grid.inverse_h, fx = (x[0] - w->shape_grid.origin[0]) * s,
-		   fy = (x[1] - w->shape_grid.origin[1]) * s;
+	const double *s = w->shape_grid.inverse_h;
+	double fx = (x[0] - w->shape_grid.origin[0]) * s[0], fy = (x[1] - w->shape_grid.origin[1]) * s[1];
 	return fx >= GHOST_CELLS && fy >= GHOST_CELLS && fx <= w->cells_x - GHOST_CELLS && fy <= w->cells_y - GHOST_CELLS;
 }
 

@@ -48,7 +48,7 @@ static void column_scene(struct column *c, const char *shape, int side, bool the
 	*c = (struct column){0};
 	struct scene *s = &c->scene;
 	snprintf(s->path, sizeof s->path, "bench");
-	s->grid = (struct scene_grid){{0.0, 0.0}, {(side + 4) * h, (side + 8) * h}, h, 1.0};
+	s->grid = (struct scene_grid){.size = {(side + 4) * h, (side + 8) * h}, .cell = h, .thickness = 1.0};
 	s->time = (struct scene_time){1.0, 0.4 * h / sqrt(young / density), 1.0, 1, 1};
 	snprintf(s->mpm.shape, sizeof s->mpm.shape, "%s", shape);
 	snprintf(s->mpm.transfer, sizeof s->mpm.transfer, "flip");

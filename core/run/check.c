@@ -66,7 +66,7 @@ static void check_step(const struct mpm *mpm)
 {
 	const struct scene *scene = mpm->scene;
 	const struct particles *p = &mpm->p;
-	double mechanical = INFINITY, thermal = INFINITY, h = mpm->grid.h;
+	double mechanical = INFINITY, thermal = INFINITY, h = fmin(mpm->grid.spacing[0], mpm->grid.spacing[1]);
 	int stiff = 0, conducting = 0;
 	for (int i = 0; i < p->n; i++) {
 		double density = p->mass[i] / (p->volume0[i] * mat2_determinant(p->F[i]));

@@ -97,7 +97,7 @@ static void frame_grid(struct frame_work *work)
 		return;
 	channel->dims[0] = grid->nx, channel->dims[1] = grid->ny;
 	channel->origin[0] = grid->origin[0], channel->origin[1] = grid->origin[1];
-	channel->spacing[0] = channel->spacing[1] = grid->h;
+	channel->spacing[0] = grid->spacing[0], channel->spacing[1] = grid->spacing[1];
 	double *mass = frame_new_array(work, "mass", "kg", FRAME_POINT, FRAME_F64, 1, n);
 	if (mass)
 		memcpy(mass, grid->mass, (size_t)n * sizeof *mass);

@@ -160,13 +160,19 @@ static void check_bonds(struct loader *loader, const struct scene_law_rve *rve, 
 static void check_laws(struct loader *loader)
 {
 	for (int k = 0; k < loader->scene->n_laws; k++) {
-		const struct scene_law *law = &loader->scene->laws[k];
 		char path[PATH_LENGTH];
+		const struct scene_law *law = &loader->scene->laws[k];
 		law_path(loader, k, path);
-		if (!loader_clean(loader, "%s", path) || law->type != SCENE_LAW_RVE)
+		if (!loader_clean(loader, "%s", path))
 			continue;
-		check_packing(loader, &law->rve.packing, path);
-		check_bonds(loader, &law->rve, path);
+		if (law->type == SCENE_LAW_RVE) {
+			check_packing(loader, &law->rve.packing, path);
+			check_bonds(loader, &law->rve, path);
+		} else if (law->thermoelastic.neo_hookean && law->thermoelastic.plane_stress) {
+			char key[PATH_LENGTH];
+			problem_of(loader, path_print(key, "%s.plane", path),
+					   "is \"stress\", expected \"strain\" with elasticity = \"neo_hookean\"");
+		}
 	}
 }
 
@@ -457,6 +463,34 @@ static void check_walls(struct loader *loader)
 	}
 }
 
+/* A grid that follows a wall: along the wall's motion its face and the fixed place are rows of nodes. */
+static void check_follow(struct loader *loader)
+{
+	const struct scene *scene = loader->scene;
+	const struct scene_grid *grid = &scene->grid;
+	if (!grid->follows || !loader_clean(loader, "walls") || !loader_clean(loader, "grid"))
+		return;
+	const struct scene_wall *wall = &scene->walls[grid->follow];
+	if (wall->velocity[0] == 0.0 && wall->velocity[1] == 0.0)
+		problem_of(loader, "grid.follow", "is wall '%s', which does not move, expected a wall with a velocity",
+				   wall->name);
+	for (int c = 0; c < 2; c++) {
+		double face = scene_grid_face(scene, c), fixed = grid->fixed[c];
+		double rows[2] = {(fixed - grid->origin[c]) / grid->cell, (face - grid->origin[c]) / grid->cell};
+		if (wall->velocity[c] == 0.0)
+			continue;
+		if (fabs(rows[0] - round(rows[0])) > TOUCHING)
+			problem_of(loader, "grid.fixed", "is %c = %g m, between two rows of nodes, expected it on one", "xy"[c],
+					   fixed);
+		else if (fabs(rows[1] - round(rows[1])) > TOUCHING)
+			problem_of(loader, "grid.follow",
+					   "has its face at %c = %g m, between two rows of nodes, expected it on one", "xy"[c], face);
+		else if (fabs(rows[1] - rows[0]) < 0.5)
+			problem_of(loader, "grid.fixed", "is %c = %g m, on the face of wall '%s', expected it elsewhere", "xy"[c],
+					   fixed, wall -> name);
+	}
+}
+
 static void check_boundaries(struct loader *loader)
 {
 	const struct scene *scene = loader->scene;
@@ -727,6 +761,7 @@ void check_scene(struct loader *loader)
 	check_installing(loader);
 	check_bodies(loader);
 	check_walls(loader);
+	check_follow(loader);
 	check_boundaries(loader);
 	check_probes(loader);
 	check_regions(loader);

@@ -164,6 +164,16 @@ void read_box(struct loader *loader, const struct scene_key *key, struct node *n
 				 (double *)((char *)target + key->n_offset), path);
 }
 
+void read_grid_follow(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					  const char *path)
+{
+	struct scene_grid *grid = target;
+	if (!is_string(loader, key, node, path))
+		return;
+	grid->follow = read_reference(loader, node, "walls", path);
+	grid->follows = grid->follow >= 0;
+}
+
 /* ---- stages ---- */
 
 static bool is_string_list(struct loader *loader, const struct scene_key *key, const struct node *node,

@@ -14,6 +14,7 @@ READER(read_material_name);
 READER(read_body_shape);
 READER(read_wall_shape);
 READER(read_box); /* lower corner at key->offset, upper at key->n_offset */
+READER(read_grid_follow);
 READER(read_stage_walls);
 READER(read_stage_then);
 READER(read_probe_where);

@@ -90,6 +90,8 @@ void finish_scene(struct loader *loader)
 	if (scene->n_bodies)
 		finish_bodies(scene, node_find(loader->root, "bodies"));
 	finish_walls(scene);
+	for (int a = 0; a < 2; a++)
+		scene->grid.fixed[a] = otherwise(scene->grid.fixed[a], scene->grid.origin[a]);
 	for (int k = 0; k < scene->n_stages; k++) {
 		scene->stages[k].duration = otherwise(scene->stages[k].duration, INFINITY);
 		if (!node_find(stages->children[k], "walls"))

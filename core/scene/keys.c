@@ -31,6 +31,11 @@ static const struct scene_key grid_keys[] = {
 	 .doc = "edge of the square cells"},
 	{.name = "thickness", .type = KEY_FLOAT, AT(scene_grid, thickness), .unit = "m", .value = "1.0", .range = RANGE_POSITIVE,
 	 .doc = "out of plane; gives masses, forces and energies"},
+	{.name = "follow", .type = KEY_CUSTOM, .absent = "the grid stays as it is", .text = true, .read = read_grid_follow,
+	 .expected = "the name of a moving wall",
+	 .doc = "name of a moving wall: the grid is stretched with it, so that its face stays on a row of nodes"},
+	{.name = "fixed", .type = KEY_FLOATS, AT(scene_grid, fixed), .count = 2, .unit = "m", .absent = "the origin",
+	 .doc = "the place that does not move when the grid follows a wall"},
 	END};
 
 static const struct scene_key time_keys[] = {
@@ -123,6 +128,8 @@ static const struct scene_key thermoelastic_keys[] = {
 	 .min = -0.1, .max = 0.1, .doc = "linear thermal expansion"},
 	{.name = "plane", .type = KEY_FLAG, AT(scene_law, thermoelastic.plane_stress), .value = "\"strain\"", CHOICES("strain", "stress"),
 	 .doc = "what holds out of the plane"},
+	{.name = "elasticity", .type = KEY_FLAG, AT(scene_law, thermoelastic.neo_hookean), .value = "\"hencky\"", CHOICES("hencky", "neo_hookean"),
+	 .doc = "stress by logarithmic strain, for stretches from 0.21 to 1.39; or neo-Hookean, for large strain"},
 	END};
 
 static const struct scene_key rve_keys[] = {
@@ -291,7 +298,7 @@ static const struct scene_key probe_keys[] = {
 
 static const struct scene_key region_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_region, name), .required = true,
-	 .doc = "its columns are region.NAME.mass, flow and temperature in the history"},
+	 .doc = "its columns are region.NAME.mass, flow, volume and temperature in the history"},
 	{.name = "box", .type = KEY_CUSTOM, AT(scene_region, min), .n_offset = offsetof(struct scene_region, max), .unit = "m", .required = true, .read = read_box,
 	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "[xmin, ymin, xmax, ymax]"},
 	END};
@@ -368,7 +375,7 @@ static const struct scene_key root_keys[] = {
 	 .doc = "protocols: stages of one run, one after the other"},
 	{.name = "probes", LIST(scene, probes, n_probes), KEYS(probe_keys), .absent = "none", .doc = "points recorded in history.csv"},
 	{.name = "regions", LIST(scene, regions, n_regions), KEYS(region_keys), .absent = "none",
-	 .doc = "boxes whose mass, flow and mean temperature go to history.csv"},
+	 .doc = "boxes whose mass, flow, volume and mean temperature go to history.csv"},
 	{.name = "inspect", LIST(scene, inspect, n_inspect), KEYS(inspect_keys), .absent = "none",
 	 .doc = "RVEs written to files with their path, to be drawn"},
 	{.name = "output", .type = KEY_GROUP, AT(scene, output), KEYS(output_keys), .doc = "what is written, how often"},

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <libconfig.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -208,6 +209,8 @@ static void drop_inactive_walls(struct loader *loader)
 			scene->walls[n++] = scene->walls[k];
 	}
 	scene->n_walls = n;
+	scene->grid.follows = scene->grid.follows && kept[scene->grid.follow] >= 0;
+	scene->grid.follow = scene->grid.follows ? kept[scene->grid.follow] : 0;
 	for (int s = 0; s < scene->n_stages; s++) {
 		struct scene_stage *stage = &scene->stages[s];
 		int m = 0;
@@ -310,3 +313,13 @@ double scene_temperature_in(const struct scene *scene, double value)
 }
 
 const char *scene_temperature_unit(const struct scene *scene) { return scene->units.celsius ? "C" : "K"; }
+
+double scene_grid_face(const struct scene *scene, int c)
+{
+	const struct scene_wall *wall = &scene->walls[scene->grid.follow];
+	double face = NAN, fixed = scene->grid.fixed[c];
+	for (int k = 0; k < wall->n_vertices; k++)
+		if (isnan(face) || fabs(wall->vertices[k][c] - fixed) < fabs(face - fixed))
+			face = wall->vertices[k][c];
+	return face;
+}

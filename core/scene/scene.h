@@ -29,6 +29,9 @@ struct scene_grid {
 	double size[2];   /* m, a whole number of cells */
 	double cell;      /* m, square cells */
 	double thickness; /* m out of plane, default 1 */
+	bool follows;     /* the grid is stretched with a moving wall: see mpm/grid.c */
+	int follow;       /* that wall's index */
+	double fixed[2];  /* m, the place that stays where it is then; default the origin */
 };
 
 struct scene_time {
@@ -63,6 +66,7 @@ struct scene_law_thermoelastic {
 	double poisson;    /* - */
 	double expansion;  /* 1/K, linear */
 	bool plane_stress; /* default false: plane strain */
+	bool neo_hookean;  /* default false: hencky */
 };
 
 /* How to make (or where to find) the packing of an RVE law; see rve/packing.h. */
@@ -288,6 +292,10 @@ struct scene {
 int scene_load(struct scene **scene, const char *path, int n_sets, const char *const *sets, void *errors);
 
 void scene_free(struct scene *scene);
+
+/* Where the face of the wall that the grid follows stands at the start along x (c = 0) or y (1), m: its side nearest to
+ * grid.fixed. */
+double scene_grid_face(const struct scene *scene, int c);
 
 /* Distance between a body's lattice points, m: cell / sqrt(points_per_cell). */
 double scene_body_spacing(const struct scene *scene, const struct scene_body *body);

@@ -33,7 +33,7 @@ static inline struct scene *elastic_scene_init(struct elastic_scene *s, int cell
 	memset(s, 0, sizeof *s);
 	struct scene *scene = &s->scene;
 	snprintf(scene->path, sizeof scene->path, "test.cfg");
-	scene->grid = (struct scene_grid){{0.0, 0.0}, {cells_x * h, cells_y * h}, h, 1.0};
+	scene->grid = (struct scene_grid){.size = {cells_x * h, cells_y * h}, .cell = h, .thickness = 1.0};
 	scene->time =
 		(struct scene_time){.end = 1.0, .step = step, .step_factor = 1.0, .thermal_steps = 1, .thermal_every = 1};
 	snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "ugimp");

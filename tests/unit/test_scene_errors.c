@@ -330,6 +330,31 @@ static void all_errors_are_reported(void **state)
 	free(messages);
 }
 
+static void grid_that_follows(void **state)
+{
+	(void)state;
+	static const char *const cases[][4] = {
+		{"follow=\"roof\"", "fixed=[0, 0.3]", "[0, 0]",
+		 "grid.follow is wall 'roof', which does not move, expected a wall with a velocity"},
+		{"follow=\"rof\"", "fixed=[0, 0.3]", "[0, -1]",
+		 "grid.follow \"rof\" is not defined, expected a name in walls (did you mean \"roof\"?)"},
+		{"follow=\"roof\"", "fixed=[0, 0.33]", "[0, -1]", "grid.fixed is y = 0.33 m, between two rows of nodes"},
+		{"follow=\"roof\"", "fixed=[0.5, 0]", "[-1, 0]", "grid.fixed is x = 0.5 m, on the face of wall 'roof'"},
+	};
+	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+		char sets[3][64];
+		const char *list[] = {sets[0], sets[1], sets[2]};
+		snprintf(sets[0], sizeof sets[0], "grid.%s", cases[k][0]);
+		snprintf(sets[1], sizeof sets[1], "grid.%s", cases[k][1]);
+		snprintf(sets[2], sizeof sets[2], "walls.roof.velocity=%s", cases[k][2]);
+		write_scene(good);
+		char *messages = refusal(3, list);
+		if (!strstr(messages, cases[k][3]))
+			fail_msg("expected %s, got\n%s", cases[k][3], messages);
+		free(messages);
+	}
+}
+
 static void wrong_overrides(void **state)
 {
 	(void)state;
@@ -415,8 +440,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_good_scene_is_good), cmocka_unit_test(one_slip_gives_one_message),
 		cmocka_unit_test(messages_elsewhere),     cmocka_unit_test(all_errors_are_reported),
-		cmocka_unit_test(wrong_overrides),        cmocka_unit_test(wrong_variants),
-		cmocka_unit_test(unreadable_files),
+		cmocka_unit_test(grid_that_follows),      cmocka_unit_test(wrong_overrides),
+		cmocka_unit_test(wrong_variants),         cmocka_unit_test(unreadable_files),
 	};
 	return cmocka_run_group_tests(tests, make_file, remove_file);
 }
