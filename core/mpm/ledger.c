@@ -268,16 +268,18 @@ void ledger_start(struct mpm *mpm)
 void mpm_region(const struct mpm *mpm, const struct scene_region *region, struct mpm_region_values *values)
 {
 	const struct particles *p = &mpm->p;
-	double mass = 0.0, capacity = 0.0, heat = 0.0;
+	double mass = 0.0, volume = 0.0, capacity = 0.0, heat = 0.0;
 	for (int k = 0; k < p->n; k++) {
 		const double *x = p->x[k];
 		if (x[0] < region->min[0] || x[1] < region->min[1] || x[0] >= region->max[0] || x[1] >= region->max[1])
 			continue;
 		double c = mpm->thermal ? p->mass[k] * p->capacity[k] : p->mass[k];
 		mass += p->mass[k];
+		volume += mat2_determinant(p->F[k]) * p->volume0[k];
 		capacity += c;
 		heat += c * p->T[k];
 	}
 	values->mass = mass;
+	values->volume = volume;
 	values->temperature = capacity > 0.0 ? heat / capacity : NAN;
 }

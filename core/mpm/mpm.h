@@ -75,6 +75,7 @@ struct mpm {
 	double dt;                 /* s, of the last step */
 	int stage;                 /* index of the current stage */
 	double stage_start;        /* s */
+	bool bonds_installed;      /* by the stage that ended with the last step */
 	struct mpm_wall_sums *walls; /* one for each scene wall */
 	double (*wall_offset)[2];  /* m, how far each wall has moved */
 	struct mpm_ledger ledger;  /* filled by mpm_measure(), which a step calls now and then to judge the residual */
@@ -98,7 +99,10 @@ int mpm_step(struct mpm *mpm);
 void mpm_measure(struct mpm *mpm);
 
 /* Sums over a box of the scene. */
-struct mpm_region_values { double mass, temperature; /* kg; K, mean by heat capacity, NAN if empty */ };
+struct mpm_region_values {
+	double mass, volume; /* kg, m3 */
+	double temperature;  /* K, mean by heat capacity, NAN if empty */
+};
 void mpm_region(const struct mpm *mpm, const struct scene_region *region, struct mpm_region_values *values);
 
 /* Storage index of the point with this id, or of the point nearest to `at` in the initial body. */

@@ -131,6 +131,32 @@ static void check_packing(struct loader *loader, const struct scene_packing *pac
 	}
 }
 
+/* The group `bonds` of a law, NULL if it has none. */
+static const struct node *bonds_of(const struct loader *loader, int law)
+{
+	char path[PATH_LENGTH], inner[PATH_LENGTH];
+	law_path(loader, law, path);
+	const struct node *node = tree_walk(loader->root, path_print(inner, "%s.bonds", path));
+	return node && node->name && !strcmp(node->name, "bonds") ? node : NULL;
+}
+
+static void check_bonds(struct loader *loader, const struct scene_law_rve *rve, const char *law)
+{
+	const struct scene_bonds *bonds = &rve->bonds;
+	char path[PATH_LENGTH];
+	if (bonds->strength >= rve->skin)
+		problem_of(loader, path_print(path, "%s.bonds.strength", law),
+				   "is %g, expected less than skin = %g: bonded discs that part must stay neighbours", bonds->strength,
+				   rve->skin);
+	if (bonds->linear && isinf(bonds->melting))
+		problem_of(loader, path_print(path, "%s.bonds.melting", law),
+				   "is missing, expected the temperature at which linear softening ends");
+	else if (bonds->linear && bonds->reference >= bonds->melting)
+		problem_of(loader, path_print(path, "%s.bonds.reference", law), "is %g %s, expected less than melting = %g %s",
+				   scene_temperature_out(loader->scene, bonds->reference), scene_temperature_unit(loader->scene),
+				   scene_temperature_out(loader->scene, bonds->melting), scene_temperature_unit(loader->scene));
+}
+
 static void check_laws(struct loader *loader)
 {
 	for (int k = 0; k < loader->scene->n_laws; k++) {
@@ -141,6 +167,7 @@ static void check_laws(struct loader *loader)
 			continue;
 		if (law->type == SCENE_LAW_RVE) {
 			check_packing(loader, &law->rve.packing, path);
+			check_bonds(loader, &law->rve, path);
 		} else if (law->thermoelastic.neo_hookean && law->thermoelastic.plane_stress) {
 			char key[PATH_LENGTH];
 			problem_of(loader, path_print(key, "%s.plane", path),
@@ -588,6 +615,30 @@ static void check_stages(struct loader *loader)
 				   sum, scene->time.end);
 }
 
+/* Bonds need a law that describes them and a stage that installs them (and ends: not the last). */
+static void check_installing(struct loader *loader)
+{
+	const struct scene *scene = loader->scene;
+	char path[PATH_LENGTH];
+	int stage = -1, law = -1;
+	if (!loader_clean(loader, "stages") || !loader_clean(loader, "laws") || !loader_clean(loader, "materials"))
+		return;
+	for (int k = scene->n_stages - 1; k >= 0; k--)
+		stage = scene->stages[k].then_install_bonds ? k : stage;
+	for (int k = scene->n_laws - 1; k >= 0; k--)
+		law = scene->laws[k].type == SCENE_LAW_RVE && bonds_of(loader, k) ? k : law;
+	if (stage >= 0 && law < 0)
+		problem_of(loader, path_to(path, "stages", stage, "then"),
+				   "installs bonds, expected a law of type \"rve\" with bonds = { strength = ...; }");
+	else if (stage >= 0 && stage == scene->n_stages - 1)
+		problem_of(loader, path_to(path, "stages", stage, "then"),
+				   "installs bonds when the last stage ends, expected that of a stage before it");
+	else if (stage < 0 && law >= 0 && scene->laws[law].rve.bonds.strength > 0.0)
+		problem_at(loader, bonds_of(loader, law)->place, "bonds",
+				   "of law '%s' are never installed, expected a stage with then = (\"install_bonds\"), or strength = 0",
+				   scene->laws[law].name);
+}
+
 /* ---- what is recorded ---- */
 
 static long all_points(const struct loader *loader)
@@ -781,6 +832,7 @@ void check_scene(struct loader *loader)
 	check_laws(loader);
 	check_materials(loader);
 	check_stages(loader);
+	check_installing(loader);
 	check_bodies(loader);
 	check_walls(loader);
 	check_follow(loader);

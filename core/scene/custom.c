@@ -262,7 +262,9 @@ void read_stage_then(struct loader *loader, const struct scene_key *key, struct 
 		return;
 	for (int k = 0; k < node->n; k++) {
 		const struct node *what = node->children[k];
-		if (!strcmp(what->string, "zero_velocity"))
+		if (!strcmp(what->string, "install_bonds"))
+			stage->then_install_bonds = true;
+		else if (!strcmp(what->string, "zero_velocity"))
 			stage->then_zero_velocity = true;
 		else if (!strcmp(what->string, "zero_ledger"))
 			stage->then_zero_ledger = true;

@@ -5,7 +5,7 @@
 #include "scene/geometry.h"
 #include "scene/private.h"
 
-static const double ROOM_TEMPERATURE = 293.15; /* K */
+static const double ROOM_TEMPERATURE = 293.15, FREEZING_TEMPERATURE = 273.15; /* K */
 
 static double otherwise(double value, double fallback) { return isnan(value) ? fallback : value; }
 
@@ -89,6 +89,14 @@ static void finish_output(struct scene *scene)
 	}
 }
 
+static void finish_rve(struct scene_law_rve *rve)
+{
+	if (!strcmp(rve->packing.lattice, "random"))
+		rve->packing.lattice[0] = '\0';
+	rve->bonds.melting = otherwise(rve->bonds.melting, INFINITY);
+	rve->bonds.reference = otherwise(rve->bonds.reference, FREEZING_TEMPERATURE);
+}
+
 void finish_scene(struct loader *loader)
 {
 	struct scene *scene = loader->scene;
@@ -96,8 +104,7 @@ void finish_scene(struct loader *loader)
 	if (!thermal || !node_find(thermal, "on"))
 		scene->thermal.on = needs_heat(scene);
 	for (int k = 0; k < scene->n_laws; k++)
-		if (!strcmp(scene->laws[k].rve.packing.lattice, "random"))
-			scene->laws[k].rve.packing.lattice[0] = '\0';
+		finish_rve(&scene->laws[k].rve);
 	if (scene->n_materials)
 		finish_materials(scene, node_find(loader->root, "materials"));
 	if (scene->n_bodies)

@@ -102,6 +102,19 @@ static const struct scene_key packing_keys[] = {
 	 .doc = "of the random numbers; the same seed gives the same packing"},
 	END};
 
+static const struct scene_key bonds_keys[] = {
+	{.name = "strength", .type = KEY_FLOAT, AT(scene_bonds, strength), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "a bond bears this times kn times the mean radius of its two discs in tension; 0 = no bonds; less than skin"},
+	{.name = "mu", .type = KEY_FLOAT, AT(scene_bonds, mu), .value = "0.5", .range = RANGE_WITHIN, .min = 0.0, .max = 10.0,
+	 .doc = "and this times its tensile strength in shear"},
+	{.name = "melting", .type = KEY_TEMPERATURE, AT(scene_bonds, melting), .absent = "never",
+	 .doc = "above this temperature every bond breaks, for good"},
+	{.name = "softening", .type = KEY_FLAG, AT(scene_bonds, linear), .value = "\"step\"", CHOICES("step", "linear"),
+	 .doc = "whether the strength is whole up to melting, or falls to nothing there in proportion"},
+	{.name = "reference", .type = KEY_TEMPERATURE, AT(scene_bonds, reference), .absent = "0 C",
+	 .doc = "at and below this temperature the strength of linear softening is whole"},
+	END};
+
 #define LAW_KEYS \
 	{.name = "name", .type = KEY_NAME, AT(scene_law, name), .absent = "the material's name (in the list laws it is required)", \
 	 .doc = "by which materials refer to the law"}, \
@@ -126,6 +139,8 @@ static const struct scene_key rve_keys[] = {
 	LAW_KEYS,
 	{.name = "packing", .type = KEY_GROUP, AT(scene_law, rve.packing), KEYS(packing_keys), .required = true,
 	 .doc = "the cell's discs at the start"},
+	{.name = "bonds", .type = KEY_GROUP, AT(scene_law, rve.bonds), KEYS(bonds_keys),
+	 .doc = "between discs, once a stage has installed them; at contacts that carry force"},
 	{.name = "kn", .type = KEY_FLOAT, AT(scene_law, rve.kn), .unit = "N/m", .value = "1e6", .range = RANGE_POSITIVE,
 	 .doc = "normal contact stiffness"},
 	{.name = "ks", .type = KEY_FLOAT, AT(scene_law, rve.ks), .unit = "N/m", .value = "1e6", .range = RANGE_NOT_NEGATIVE,
@@ -298,8 +313,8 @@ static const struct scene_key stage_keys[] = {
 	{.name = "walls", .type = KEY_CUSTOM, AT(scene_stage, walls), .absent = "all walls", .read = read_stage_walls,
 	 .expected = "a list of names of walls: (\"ground\", ...)", .doc = "names of the walls that stand in this stage"},
 	{.name = "then", .type = KEY_CUSTOM, .absent = "nothing", .read = read_stage_then,
-	 .expected = "a list of \"zero_velocity\" and \"zero_ledger\"",
-	 .doc = "what is done when it ends: zero_velocity (stop all points), zero_ledger (count energies anew)"},
+	 .expected = "a list of \"install_bonds\", \"zero_velocity\" and \"zero_ledger\"",
+	 .doc = "what is done when it ends, in this order: install_bonds (of laws that have bonds), zero_velocity (stop all points), zero_ledger (count energies anew)"},
 	END};
 
 /* ---- outputs ---- */
@@ -316,7 +331,7 @@ static const struct scene_key probe_keys[] = {
 
 static const struct scene_key region_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_region, name), .required = true,
-	 .doc = "its columns are region.NAME.mass, flow and temperature in the history"},
+	 .doc = "its columns are region.NAME.mass, flow, volume and temperature in the history"},
 	{.name = "box", .type = KEY_CUSTOM, AT(scene_region, min), .n_offset = offsetof(struct scene_region, max), .unit = "m", .required = true, .read = read_box,
 	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "[xmin, ymin, xmax, ymax]"},
 	END};
@@ -393,7 +408,7 @@ static const struct scene_key root_keys[] = {
 	 .doc = "protocols: stages of one run, one after the other"},
 	{.name = "probes", LIST(scene, probes, n_probes), KEYS(probe_keys), .absent = "none", .doc = "points recorded in history.csv"},
 	{.name = "regions", LIST(scene, regions, n_regions), KEYS(region_keys), .absent = "none",
-	 .doc = "boxes whose mass, flow and mean temperature go to history.csv"},
+	 .doc = "boxes whose mass, flow, volume and mean temperature go to history.csv"},
 	{.name = "inspect", LIST(scene, inspect, n_inspect), KEYS(inspect_keys), .absent = "none",
 	 .doc = "RVEs written to files with their path, to be drawn"},
 	{.name = "output", .type = KEY_GROUP, AT(scene, output), KEYS(output_keys), .doc = "what is written, how often"},

@@ -88,8 +88,18 @@ struct scene_packing {
 	unsigned seed;                 /* 1 */
 };
 
+/* Bonds between the discs of an RVE law (eqs. 38 to 40); a stage installs them. */
+struct scene_bonds {
+	double strength;  /* beta_s: a bond bears beta_s kn R, R the mean radius of its discs; 0 = none (default) */
+	double mu;        /* mu_b: and mu_b times that in shear; 0.5 */
+	double melting;   /* T_c, K: above it all bonds break; infinity = never (default) */
+	bool linear;      /* the strength falls linearly from `reference` to T_c; default false: it is whole up to T_c */
+	double reference; /* K; at and below it the strength of linear softening is whole; default 0 C */
+};
+
 struct scene_law_rve {
 	struct scene_packing packing;
+	struct scene_bonds bonds;
 	double kn, ks;          /* N/m; 1e6 each */
 	double mu;              /* 0.5 */
 	double damping_ratio;   /* zeta; 0.2 */
@@ -211,7 +221,7 @@ struct scene_stage {
 	double damping;  /* 1/s, added to the particle damping */
 	int n_walls;     /* -1 = all walls; else only these (within their from/until) */
 	int *walls;
-	bool then_zero_velocity, then_zero_ledger; /* `then = [...]`, done when the stage ends */
+	bool then_install_bonds, then_zero_velocity, then_zero_ledger; /* `then = [...]`, done in this order when it ends */
 	struct scene_place place;
 };
 
