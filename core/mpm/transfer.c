@@ -73,12 +73,13 @@ INLINE void check_point_heat(const struct mpm *mpm, const struct mpm_work *w, st
 							 double volume)
 {
 	const struct particles *points = &mpm->p;
-	double k = w->conductivity[points->material[p]];
-	if (isnan(k)) {
-		const double *tensor = points->conductivity[p];
-		k = fmax(tensor[0], tensor[1]) + fabs(tensor[2]); /* bounds the larger eigenvalue */
-	}
-	double diffusivity = k * volume / (points->mass[p] * points->capacity[p]);
+	double tensor[3];
+	mpm_point_conductivity(mpm, p, tensor);
+	double k = fmax(tensor[0], tensor[1]) + fabs(tensor[2]); /* bounds the larger eigenvalue */
+	double flow = k * volume;
+	if (w->n_point_heats)
+		flow += mpm_convection_as_conduction(mpm, p, volume);
+	double diffusivity = flow / (points->mass[p] * points->capacity[p]);
 	if (diffusivity > sum->diffusivity)
 		sum->diffusivity = diffusivity, sum->most_diffusive = p;
 	if (!isfinite(diffusivity + points->T[p]) && sum->bad < 0)
@@ -299,8 +300,8 @@ INLINE void move_point(struct particles *p, int k, const struct gathered *g, con
 
 static bool inside(const struct mpm_work *w, const double x[2])
 {
-	double s = w->shape_grid.inverse_h, fx = (x[0] - w->shape_grid.origin[0]) * s,
-		   fy = (x[1] - w->shape_grid.origin[1]) * s;
+	const double *s = w->shape_grid.inverse_h;
+	double fx = (x[0] - w->shape_grid.origin[0]) * s[0], fy = (x[1] - w->shape_grid.origin[1]) * s[1];
 	return fx >= GHOST_CELLS && fy >= GHOST_CELLS && fx <= w->cells_x - GHOST_CELLS && fy <= w->cells_y - GHOST_CELLS;
 }
 
@@ -330,7 +331,10 @@ INLINE void gather_block(struct mpm *mpm, struct mpm_work *w, int block, int nod
 			memcpy(p->L[q], g.L, sizeof g.L);
 			deform(p->F[q], g.L, dt);
 			if (heat) {
-				p->T[q] += g.dT;                     /* eq. 28 */
+				if (w->freezes && w->freezing[p->material[q]].on)
+					freezing_absorb(mpm, q, g.dT);
+				else
+					p->T[q] += g.dT;                 /* eq. 28 */
 				p->dT[q] = g.T_new - p->T_smooth[q]; /* eq. 29 feeds the law only */
 				p->T_smooth[q] = g.T_new;
 			} else if (mpm->thermal) {

@@ -209,6 +209,12 @@ static void run_announce(struct run *run)
 	if (options->restart)
 		log_line(&run->log, "continues %s from step %lld, time %.9g s", options->restart, run->mpm->step,
 				 run->mpm->time);
+	if (run->mpm->thermal && run->scene->thermal.time_scale != 1.0)
+		log_warning(
+			&run->log,
+			"thermal.time_scale: heat conduction, fluxes and convection run %g times faster than the mechanics and "
+			"the clock; friction heat does not",
+			run->scene->thermal.time_scale);
 	run_counts(run, &counts);
 	run->first_disc_steps = counts.disc_steps;
 }

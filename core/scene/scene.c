@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <libconfig.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -208,6 +209,8 @@ static void drop_inactive_walls(struct loader *loader)
 			scene->walls[n++] = scene->walls[k];
 	}
 	scene->n_walls = n;
+	scene->grid.follows = scene->grid.follows && kept[scene->grid.follow] >= 0;
+	scene->grid.follow = scene->grid.follows ? kept[scene->grid.follow] : 0;
 	for (int s = 0; s < scene->n_stages; s++) {
 		struct scene_stage *stage = &scene->stages[s];
 		int m = 0;
@@ -310,6 +313,34 @@ void scene_free(struct scene *scene)
 	free(scene);
 }
 
+/* ---- values in time ---- */
+
+double scene_value_at(double constant, const struct scene_series *series, double time)
+{
+	const double(*rows)[2] = (const double(*)[2])series->rows;
+	if (series->n == 0)
+		return constant;
+	int k = 0;
+	while (k < series->n && rows[k][0] <= time)
+		k++;
+	if (k == 0 || k == series->n)
+		return rows[k ? k - 1 : 0][1];
+	double share = (time - rows[k - 1][0]) / (rows[k][0] - rows[k - 1][0]);
+	return rows[k - 1][1] + share * (rows[k][1] - rows[k - 1][1]);
+}
+
+bool scene_wall_heats(const struct scene_wall *wall) { return !isnan(wall->temperature) || wall->temperature_table.n; }
+
+bool scene_boundary_heats_nodes(const struct scene_boundary *boundary)
+{
+	return !isnan(boundary->temperature) || boundary->temperature_table.n;
+}
+
+bool scene_boundary_heats_points(const struct scene_boundary *boundary)
+{
+	return !isnan(boundary->flux) || boundary->flux_table.n || boundary->convection.coefficient > 0.0;
+}
+
 /* ---- temperatures ---- */
 
 static const double CELSIUS_ZERO = 273.15; /* K */
@@ -325,3 +356,13 @@ double scene_temperature_in(const struct scene *scene, double value)
 }
 
 const char *scene_temperature_unit(const struct scene *scene) { return scene->units.celsius ? "C" : "K"; }
+
+double scene_grid_face(const struct scene *scene, int c)
+{
+	const struct scene_wall *wall = &scene->walls[scene->grid.follow];
+	double face = NAN, fixed = scene->grid.fixed[c];
+	for (int k = 0; k < wall->n_vertices; k++)
+		if (isnan(face) || fabs(wall->vertices[k][c] - fixed) < fabs(face - fixed))
+			face = wall->vertices[k][c];
+	return face;
+}
