@@ -41,8 +41,8 @@ INLINE double stress_power(const double s[4], const double L[4], double volume)
 
 INLINE bool inside(const struct mpm_work *w, const double x[2])
 {
-	double s = w->shape_grid.inverse_h, fx = (x[0] - w->shape_grid.origin[0]) * s,
-		   fy = (x[1] - w->shape_grid.origin[1]) * s;
+	const double *s = w->shape_grid.inverse_h;
+	double fx = (x[0] - w->shape_grid.origin[0]) * s[0], fy = (x[1] - w->shape_grid.origin[1]) * s[1];
 	return fx >= GHOST_CELLS && fy >= GHOST_CELLS && fx <= w->cells_x - GHOST_CELLS && fy <= w->cells_y - GHOST_CELLS;
 }
 
@@ -68,13 +68,20 @@ INLINE void check_moved(struct mpm *mpm, struct mpm_work *w, int q, bool heat, s
  * identity B D^-1 = sum v (grad w)^T holds only where B was taken: there C itself is carried, at the price of the
  * angular momentum that D's change makes. */
 
-/* The first node of a point as seen from it, m; node (a, b) of its list lies (a, b) h further. */
+/* The first node of a point as seen from it, m. */
 INLINE void first_node(const struct mpm *mpm, const struct shape_lists *lists, int at, int p, double r[2])
 {
 	const struct grid *grid = &mpm->grid;
 	int node = lists->node[at];
-	r[0] = grid->origin[0] + node % grid->nx * grid->h - mpm->p.x[p][0];
-	r[1] = grid->origin[1] + node / grid->nx * grid->h - mpm->p.x[p][1];
+	r[0] = grid->origin[0] + node % grid->nx * grid->spacing[0] - mpm->p.x[p][0];
+	r[1] = grid->origin[1] + node / grid->nx * grid->spacing[1] - mpm->p.x[p][1];
+}
+
+/* Entry a of its list, when the first is at r. */
+INLINE void node_of_list(const struct mpm *mpm, const double r[2], int a, int side, double at[2])
+{
+	at[0] = r[0] + a % side * mpm->grid.spacing[0];
+	at[1] = r[1] + a / side * mpm->grid.spacing[1];
 }
 
 /* C from what the point carries; r from first_node(). */
@@ -88,9 +95,10 @@ INLINE void affine_matrix(const struct mpm *mpm, const struct shape_lists *lists
 	}
 	double D[2] = {0.0, 0.0};
 	for (int a = 0; a < side * side; a++) {
-		double x = r[0] + a % side * mpm->grid.h, y = r[1] + a / side * mpm->grid.h;
-		D[0] += lists->weight[at + a] * x * x;
-		D[1] += lists->weight[at + a] * y * y;
+		double x[2];
+		node_of_list(mpm, r, a, side, x);
+		D[0] += lists->weight[at + a] * x[0] * x[0];
+		D[1] += lists->weight[at + a] * x[1] * x[1];
 	}
 	C[0] = B[0] / D[0], C[1] = B[1] / D[1], C[2] = B[2] / D[0], C[3] = B[3] / D[1];
 }
@@ -102,12 +110,13 @@ INLINE void affine_gather(struct mpm *mpm, const struct shape_lists *lists, int 
 	first_node(mpm, lists, at, p, r);
 	for (int a = 0; a < side * side; a++) {
 		const double *v = mpm->grid.v_new[lists->node[at + a]];
-		double x = lists->weight[at + a] * (r[0] + a % side * mpm->grid.h);
-		double y = lists->weight[at + a] * (r[1] + a / side * mpm->grid.h);
+		double x[2];
+		node_of_list(mpm, r, a, side, x);
+		x[0] *= lists->weight[at + a], x[1] *= lists->weight[at + a];
 		if (mpm->shape->affine_by_gradient)
-			x = lists->grad_x[at + a], y = lists->grad_y[at + a];
-		B[0] += v[0] * x, B[1] += v[0] * y;
-		B[2] += v[1] * x, B[3] += v[1] * y;
+			x[0] = lists->grad_x[at + a], x[1] = lists->grad_y[at + a];
+		B[0] += v[0] * x[0], B[1] += v[0] * x[1];
+		B[2] += v[1] * x[0], B[3] += v[1] * x[1];
 	}
 	memcpy(mpm->p.affine[p], B, sizeof B);
 }

@@ -115,7 +115,6 @@ INLINE void momentum_stripe(struct mpm *mpm, struct mpm_work *w, int stripe, int
 {
 	struct shape_lists lists;
 	const struct particles *p = &mpm->p;
-	const double h = mpm->grid.h;
 	int first, last;
 	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
@@ -129,10 +128,11 @@ INLINE void momentum_stripe(struct mpm *mpm, struct mpm_work *w, int stripe, int
 				affine_matrix(mpm, &lists, at, q, side, r, C);
 			}
 			for (int a = 0; a < side * side; a++) {
-				double x = r[0] + a % side * h, y = r[1] + a / side * h, m = p->mass[q] * lists.weight[at + a];
+				double x[2], m = p->mass[q] * lists.weight[at + a];
 				double *back = w->projected[lists.node[at + a]].back;
-				back[0] += m * (p->v[q][0] + C[0] * x + C[1] * y);
-				back[1] += m * (p->v[q][1] + C[2] * x + C[3] * y);
+				node_of_list(mpm, r, a, side, x);
+				back[0] += m * (p->v[q][0] + C[0] * x[0] + C[1] * x[1]);
+				back[1] += m * (p->v[q][1] + C[2] * x[0] + C[3] * x[1]);
 				mpm->grid.mass[lists.node[at + a]] += m;
 			}
 		}

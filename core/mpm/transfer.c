@@ -72,10 +72,11 @@ INLINE void scatter_affine(const struct mpm *mpm, struct mpm_work *w, const stru
 	first_node(mpm, lists, at, p, r);
 	affine_matrix(mpm, lists, at, p, side, r, C);
 	for (int a = 0; a < side * side; a++) {
-		double x = r[0] + a % side * mpm->grid.h, y = r[1] + a / side * mpm->grid.h, wm = lists->weight[at + a] * m;
+		double x[2], wm = lists->weight[at + a] * m;
 		struct node_sum *node = &w->sums[lists->node[at + a]];
-		node->momentum[0] += wm * (C[0] * x + C[1] * y);
-		node->momentum[1] += wm * (C[2] * x + C[3] * y);
+		node_of_list(mpm, r, a, side, x);
+		node->momentum[0] += wm * (C[0] * x[0] + C[1] * x[1]);
+		node->momentum[1] += wm * (C[2] * x[0] + C[3] * x[1]);
 	}
 }
 
@@ -95,12 +96,13 @@ INLINE void check_point_heat(const struct mpm *mpm, const struct mpm_work *w, st
 							 double volume)
 {
 	const struct particles *points = &mpm->p;
-	double k = w->conductivity[points->material[p]];
-	if (isnan(k)) {
-		const double *tensor = points->conductivity[p];
-		k = fmax(tensor[0], tensor[1]) + fabs(tensor[2]); /* bounds the larger eigenvalue */
-	}
-	double diffusivity = k * volume / (points->mass[p] * points->capacity[p]);
+	double tensor[3];
+	mpm_point_conductivity(mpm, p, tensor);
+	double k = fmax(tensor[0], tensor[1]) + fabs(tensor[2]); /* bounds the larger eigenvalue */
+	double flow = k * volume;
+	if (w->n_point_heats)
+		flow += mpm_convection_as_conduction(mpm, p, volume);
+	double diffusivity = flow / (points->mass[p] * points->capacity[p]);
 	if (diffusivity > sum->diffusivity)
 		sum->diffusivity = diffusivity, sum->most_diffusive = p;
 	if (!isfinite(diffusivity + points->T[p]) && sum->bad < 0)
@@ -369,7 +371,10 @@ INLINE void gather_block(struct mpm *mpm, struct mpm_work *w, int block, int nod
 				deform(p->F[q], g.L, dt);
 			}
 			if (parts & PART_HEAT) {
-				p->T[q] += g.dT;                     /* eq. 28 */
+				if (w->freezes && w->freezing[p->material[q]].on)
+					freezing_absorb(mpm, q, g.dT);
+				else
+					p->T[q] += g.dT;                 /* eq. 28 */
 				p->dT[q] = g.T_new - p->T_smooth[q]; /* eq. 29 feeds the law only */
 				p->T_smooth[q] = g.T_new;
 			} else if (mpm->thermal) {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "exact/exact.h"
 #include "law/law.h"
 #include "mpm/mpm.h"
 #include "mpm/scheme.h"
@@ -100,6 +101,8 @@ static void info_print(const struct machine *machine, const struct info_part *de
 		printf("  %-14s %s\n", shapes[s]->name, shapes[s]->doc);
 	info_print_schemes("transfers", mpm_transfers);
 	info_print_schemes("orders", mpm_orders);
+	printf("exact solutions (tmdempm exact NAME shows one)\n");
+	exact_print(NULL);
 	info_print_parts("sinks", sinks, INFO_SINKS);
 	info_print_fields("points", particle_fields, particle_fields_count);
 	for (int l = 0; law_types[l]; l++)
@@ -179,6 +182,10 @@ static void info_json(const struct machine *machine, const struct info_part *dev
 	json_close(&json, ']');
 	info_json_schemes(&json, "transfers", mpm_transfers);
 	info_json_schemes(&json, "orders", mpm_orders);
+	json_open(&json, "exact", '[');
+	for (int s = 0; exact_solutions[s]; s++)
+		info_json_part(&json, exact_solutions[s]->name, exact_solutions[s]->doc);
+	json_close(&json, ']');
 	info_json_parts(&json, "sinks", sinks, INFO_SINKS);
 	json_open(&json, "fields", '{');
 	info_json_fields(&json, "points", particle_fields, particle_fields_count);
