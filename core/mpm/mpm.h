@@ -1,6 +1,6 @@
 /* The material point method at the scale of the scene: grid, points, walls, heat, ledger, one step.
  *
- * One step reads like the paper (TM-DEMPM section 2, order USL): weights, to grid, forces, heat,
+ * One step reads like the paper (TM-DEMPM section 2; here in the order USL): weights, to grid, forces, heat,
  * integrate, walls, to points, law.  The passes a scene needs are chosen once, in mpm_create(). */
 #ifndef TMDEMPM_MPM_MPM_H
 #define TMDEMPM_MPM_MPM_H
@@ -37,7 +37,7 @@ struct mpm_ledger {
 	double work_walls_friction; /* turned into heat at walls */
 	double heat_rve_friction;   /* turned into heat in RVEs */
 	double loss_dashpot, loss_bond, loss_fracture;
-	double loss_numerical;      /* PIC, damping, FLIP null space, remapping, unilateral impacts on walls */
+	double loss_numerical;      /* transfers between points and nodes, damping, remapping, unilateral impacts on walls */
 	double work_expansion;      /* by thermal expansion */
 	double energy_discarded;    /* gas, re-seeded */
 	double heat_in, heat_out;   /* through boundaries and walls */
@@ -75,6 +75,7 @@ struct mpm {
 	double dt;                 /* s, of the last step */
 	int stage;                 /* index of the current stage */
 	double stage_start;        /* s */
+	bool bonds_installed;      /* by the stage that ended with the last step */
 	struct mpm_wall_sums *walls; /* one for each scene wall */
 	double (*wall_offset)[2];  /* m, how far each wall has moved */
 	struct mpm_ledger ledger;  /* filled by mpm_measure(), which a step calls now and then to judge the residual */
@@ -98,7 +99,10 @@ int mpm_step(struct mpm *mpm);
 void mpm_measure(struct mpm *mpm);
 
 /* Sums over a box of the scene. */
-struct mpm_region_values { double mass, temperature; /* kg; K, mean by heat capacity, NAN if empty */ };
+struct mpm_region_values {
+	double mass, volume; /* kg, m3 */
+	double temperature;  /* K, mean by heat capacity, NAN if empty */
+};
 void mpm_region(const struct mpm *mpm, const struct scene_region *region, struct mpm_region_values *values);
 
 /* Storage index of the point with this id, or of the point nearest to `at` in the initial body. */

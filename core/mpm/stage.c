@@ -1,7 +1,10 @@
 /* Stages: the damping and the walls of a span of time, and what is done when it ends. */
-#include <string.h>
-
 #include "mpm/mpm_private.h"
+
+double mpm_thermal_step(const struct mpm *mpm)
+{
+	return mpm->dt * mpm->scene->time.thermal_every * mpm->scene->thermal.time_scale;
+}
 
 void stage_begin_step(struct mpm *mpm)
 {
@@ -9,12 +12,15 @@ void stage_begin_step(struct mpm *mpm)
 	const struct scene *scene = mpm->scene;
 	double staged = scene->n_stages > 0 ? scene->stages[mpm->stage].damping : 0.0;
 	mpm->dt = scene->time.step;
+	mpm->bonds_installed = false;
 	w->alpha_p = (scene->mpm.damping_particle + staged) * mpm->dt;
 	w->alpha_g = scene->mpm.damping_grid * mpm->dt;
-	w->alpha_pic = scene->mpm.pic_fraction;
+	w->filters_step = scene->mpm.transfer == MPM_FMPM;
+	w->filtered = (scene->mpm.transfer == MPM_XPIC || w->filters_step) && (mpm->step + 1) % scene->mpm.xpic_every == 0;
+	w->alpha_pic = w->filtered ? 0.0 : scene->mpm.transfer == MPM_APIC ? 1.0 : scene->mpm.pic_fraction;
 	int every = scene->time.thermal_every;
 	bool due = mpm->thermal && (mpm->step + 1) % every == 0;
-	w->thermal_dt = due ? mpm->dt * every : 0.0;
+	w->thermal_dt = due ? mpm_thermal_step(mpm) : 0.0;
 }
 
 /* What the velocities take with them is lost, and booked. */
@@ -23,8 +29,16 @@ static void zero_velocities(struct mpm *mpm)
 	struct particles *p = &mpm->p;
 	for (int k = 0; k < p->n; k++) {
 		mpm_work(mpm)->total.loss_numerical += 0.5 * p->mass[k] * (p->v[k][0] * p->v[k][0] + p->v[k][1] * p->v[k][1]);
-		memset(p->v[k], 0, sizeof p->v[k]);
+		point_stop(p, k);
 	}
+}
+
+static void install_bonds(struct mpm *mpm)
+{
+	for (int l = 0; l < mpm->n_laws; l++)
+		if (mpm->laws[l]->type->install_bonds)
+			mpm->laws[l]->type->install_bonds(mpm->laws[l]);
+	mpm->bonds_installed = true;
 }
 
 void stage_end_step(struct mpm *mpm)
@@ -35,6 +49,8 @@ void stage_end_step(struct mpm *mpm)
 	const struct scene_stage *stage = &scene->stages[mpm->stage];
 	if (mpm->time - mpm->stage_start < stage->duration - 0.5 * mpm->dt)
 		return;
+	if (stage->then_install_bonds)
+		install_bonds(mpm);
 	if (stage->then_zero_velocity)
 		zero_velocities(mpm);
 	if (stage->then_zero_ledger)

@@ -263,6 +263,8 @@ static void frame_rve_note(const struct mpm *mpm, const struct rve_info *info, i
 	if (mpm->thermal)
 		n += snprintf(note + n, 256 - (size_t)n, ", T = %.5g %s%s", scene_temperature_out(mpm->scene, mpm->p.T[point]),
 					  mpm->scene->units.celsius ? "\302\260" : "", scene_temperature_unit(mpm->scene));
+	if (info->bonds_installed > 0)
+		n += snprintf(note + n, 256 - (size_t)n, ", bonds %.0f%%", 100.0 * info->bond_fraction);
 	if (info->flags & RVE_GAS)
 		n += snprintf(note + n, 256 - (size_t)n, ", flying");
 	if (info->flags & RVE_FROZEN)
