@@ -77,6 +77,7 @@ static int create(struct law *law, const struct scene_law *scene, int n_points, 
 	for (int v = 0; v < n; v++)
 		void_ratio += rve_void_ratio(law->model, v) / n;
 	law->density = scene->rve.grain_density / (1.0 + void_ratio);
+	law->coupling = 1.0 / 3.0; /* measured: xxyy / xxxx is 0.09 dense, 0.32 loose */
 	law->model_hash = rve_packings_hash(law->model);
 	law->state_bytes = rve_state_bytes(law->model);
 	size_t bytes = law->state_bytes * (size_t)(n_points > 0 ? n_points : 1);

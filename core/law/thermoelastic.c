@@ -61,6 +61,7 @@ static int thermoelastic_create(struct law *law, const struct scene_law *scene, 
 		m->expansion_zz = -s->expansion;
 	}
 	m->modulus = m->lambda + 2.0 * m->mu;
+	law->coupling = fabs(m->lambda) / m->modulus;
 	return STATUS_OK;
 }
 
@@ -177,6 +178,7 @@ const struct law_type law_thermoelastic = {
 	.name = "thermoelastic",
 	.doc = "isotropic, linear between the logarithmic strain and the Kirchhoff stress, thermal expansion; plane strain "
 		   "or plane stress",
+	.cohesive = true,
 	.fields = thermoelastic_fields,
 	.n_fields = sizeof thermoelastic_fields / sizeof *thermoelastic_fields,
 	.create = thermoelastic_create,

@@ -44,6 +44,7 @@ static const struct column columns[] = {
 	COLUMN(capacity, 'd', 1),
 	COLUMN(heat_pending, 'd', 1),
 	COLUMN(heat_friction_sum, 'd', 1),
+	COLUMN(growth, 'd', 1),
 };
 
 enum { N_COLUMNS = sizeof columns / sizeof *columns };

@@ -31,6 +31,7 @@ struct particles {
 	double *capacity;   /* J/(kg K) */
 	double *heat_pending; /* J, heat of the law that waits for the next thermal step */
 	double *heat_friction_sum; /* J/m3 of initial volume, heat received from the law so far */
+	double *growth;     /* ln of its stress's growth while the step is above its limit: see limit.c */
 };
 
 /* Fields of the points themselves (a law adds its own): velocity, displacement, stress, strain,

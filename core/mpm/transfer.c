@@ -73,12 +73,7 @@ INLINE void check_point_heat(const struct mpm *mpm, const struct mpm_work *w, st
 							 double volume)
 {
 	const struct particles *points = &mpm->p;
-	double k = w->conductivity[points->material[p]];
-	if (isnan(k)) {
-		const double *tensor = points->conductivity[p];
-		k = fmax(tensor[0], tensor[1]) + fabs(tensor[2]); /* bounds the larger eigenvalue */
-	}
-	double diffusivity = k * volume / (points->mass[p] * points->capacity[p]);
+	double diffusivity = point_conductivity(mpm, w, p) * volume / (points->mass[p] * points->capacity[p]);
 	if (diffusivity > sum->diffusivity)
 		sum->diffusivity = diffusivity, sum->most_diffusive = p;
 	if (!isfinite(diffusivity + points->T[p]) && sum->bad < 0)
