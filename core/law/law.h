@@ -49,6 +49,7 @@ struct law_counts {
 	long long reseeded;    /* RVEs replaced so far */
 	long long clamped;     /* point-steps in which n_max cut the number of sub-steps */
 	long long rebuilds;    /* neighbour lists built */
+	long long bonds_installed, bonds_intact;
 	long long inertia[12]; /* histogram of inertial numbers: < 1e-6, then 2 bins a decade, > 1e-1 */
 };
 
@@ -73,12 +74,19 @@ struct law_type {
 	/* One step.  Parallel over points inside.  STATUS_GUARD with batch->failed and a message. */
 	int (*advance)(struct law *law, struct law_batch *batch);
 
+	/* Change of the first Piola-Kirchhoff stress P (row-major, Pa, in the plane) of an unheated point as its F changes in
+	 * the direction G: what a manufactured motion needs.  NULL where the law has no closed form for it. */
+	void (*piola_derivative)(const struct law *law, const double F[4], const double G[4], double dP[4]);
+
 	/* Field number f of n states into out[n * components]. */
 	void (*export_field)(const struct law *law, int f, int n, const int *slot, double *out);
 
 	void (*ledger)(const struct law *law, int slot, struct law_ledger *ledger);
 	void (*reset_ledger)(struct law *law, int slot); /* friction, dashpot ... start again from zero */
 	void (*counts)(const struct law *law, struct law_counts *counts); /* may be NULL */
+
+	/* A stage's action install_bonds: bonds the grains of every point where they touch; NULL where there are none. */
+	void (*install_bonds)(struct law *law);
 
 	/* The RVE behind a state, for rve_inspect() and rve_get_info(); NULL where the law has none. */
 	int (*rve_view)(const struct law *law, int slot, const struct rve_model **model, const void **state);

@@ -114,6 +114,7 @@ static int advance(struct law *law, struct law_batch *batch)
 							 .slot = batch->slot,
 							 .L = batch->L,
 							 .dT = batch->dT,
+							 .T = batch->T,
 							 .dt = batch->dt,
 							 .stress = batch->stress,
 							 .heat = batch->heat,
@@ -165,9 +166,17 @@ static void counts(const struct law *law, struct law_counts *sums)
 		sums->reseeded += info.reseeded;
 		sums->clamped += info.clamped;
 		sums->rebuilds += info.rebuilds;
+		sums->bonds_installed += info.bonds_installed;
+		sums->bonds_intact += info.bonds_intact;
 		for (int bin = 0; bin < 12; bin++)
 			sums->inertia[bin] += info.inertia[bin];
 	}
+}
+
+static void install_bonds(struct law *law)
+{
+	for (int k = 0; k < law->n_points; k++)
+		rve_install_bonds(law->model, state_of(law, k));
 }
 
 static int rve_view(const struct law *law, int slot, const struct rve_model **model, const void **state)
@@ -190,5 +199,6 @@ const struct law_type law_rve = {
 	.ledger = ledger,
 	.reset_ledger = reset_ledger,
 	.counts = counts,
+	.install_bonds = install_bonds,
 	.rve_view = rve_view,
 };

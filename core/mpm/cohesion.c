@@ -79,8 +79,8 @@ void cohesion_free(struct mpm *mpm)
 static bool in_touch(const struct mpm_work *w, const double x[2], double a, const double y[2], double b)
 {
 	for (int c = 0; c < 2; c++) {
-		double fx = (x[c] - w->shape_grid.origin[c]) * w->shape_grid.inverse_h;
-		double fy = (y[c] - w->shape_grid.origin[c]) * w->shape_grid.inverse_h;
+		double fx = (x[c] - w->shape_grid.origin[c]) * w->shape_grid.inverse_h[c];
+		double fy = (y[c] - w->shape_grid.origin[c]) * w->shape_grid.inverse_h[c];
 		double low = floor(fmax(fx - a, fy - b)) + 1.0, high = ceil(fmin(fx + a, fy + b)) - 1.0;
 		if (low > high)
 			return false;

@@ -18,7 +18,7 @@ static void find_limits(const struct mpm *mpm, double *wave, int *stiffest, doub
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	const struct scene_time *t = &mpm->scene->time;
-	double stiffness = 0.0, diffusivity = 0.0, h = mpm->grid.h;
+	double stiffness = 0.0, diffusivity = 0.0, h = fmin(mpm->grid.spacing[0], mpm->grid.spacing[1]);
 	*stiffest = *most_diffusive = -1;
 	for (int s = 0; s < w->n_stripes; s++) {
 		const struct stripe_sum *sum = &w->stripe_sums[s];
@@ -28,7 +28,8 @@ static void find_limits(const struct mpm *mpm, double *wave, int *stiffest, doub
 			diffusivity = sum->diffusivity, *most_diffusive = sum->most_diffusive;
 	}
 	*wave = stiffness > 0.0 ? t->step_factor * h / sqrt(stiffness) : INFINITY;
-	*heat = diffusivity > 0.0 ? h * h / (2.0 * diffusivity) * t->thermal_steps / t->thermal_every : INFINITY;
+	double thermal = diffusivity > 0.0 ? h * h / (2.0 * diffusivity) : INFINITY; /* of thermal time */
+	*heat = thermal * t->thermal_steps / t->thermal_every / mpm->scene->thermal.time_scale;
 }
 
 /* Where a shape has a bound for lone points its limit follows the points slowly, and a scene that begins above it is
@@ -71,10 +72,12 @@ static int guard_heat(const struct mpm *mpm, int status, double heat, int diffus
 		where(mpm, diffusive, text);
 		return error_set(
 			status,
-			"%s: time.step = %.4g s is above the limit of heat conduction %.4g s (rho c h^2/2k, %d thermal steps "
-			"in %d); cure: time.step of %.2g s or less, or time.thermal_steps = %d (state: start of the step)",
-			text, dt, heat, mpm->scene->time.thermal_steps, mpm->scene->time.thermal_every, heat,
-			(int)ceil(dt / heat * passes));
+			"%s: time.step = %.4g s is above the limit of heat conduction %.4g s (rho c h^2/2k%s, %g thermal steps "
+			"in %d, thermal.time_scale %g); cure: time.step of %.2g s or less, or time.thermal_steps = %d (state: "
+			"start of the step)",
+			text, dt, heat,
+			mpm_convection_as_conduction(mpm, diffusive, 1.0) > 0.0 ? ", less what convection takes" : "", passes,
+			mpm->scene->time.thermal_every, mpm->scene->thermal.time_scale, heat, (int)ceil(dt / heat * passes));
 	}
 	if (passes > 1.0 && w->limit.heat > 2.0) {
 		where(mpm, w->limit.hottest, text);

@@ -26,7 +26,7 @@ const struct field mpm_ledger_fields[] = {
 	{"energy_elastic", "J", 1, "stored by the laws, counted from zero force"},
 	{"energy_rve_kinetic", "J", 1, "of the discs' fluctuations"},
 	{"energy_gravity", "J", 1, "- m g.x, counted from the origin of coordinates"},
-	{"energy_thermal", "J", 1, "m c T, counted from the start"},
+	{"energy_thermal", "J", 1, "heat content with the latent heat, counted from the start"},
 	{"work_boundary", "J", 1, "done by moving walls, imposed velocities and confining pressure"},
 	{"work_walls_friction", "J", 1, "turned into heat at walls"},
 	{"heat_rve_friction", "J", 1, "turned into heat in RVEs"},
@@ -146,10 +146,9 @@ static void add_heat(struct mpm *mpm, struct mpm_work *w)
 		t->heat_walls += w->heat_sums[j].walls;
 	}
 	for (int s = 0; s < w->n_stripes; s++) {
-		double flux = w->stripe_sums[s].heat_flux;
 		t->heat_given += w->stripe_sums[s].heat_given;
-		t->heat_in += flux > 0.0 ? flux : 0.0;
-		t->heat_out -= flux < 0.0 ? flux : 0.0;
+		t->heat_in += w->stripe_sums[s].heat_in;
+		t->heat_out += w->stripe_sums[s].heat_out;
 	}
 }
 
@@ -210,7 +209,7 @@ static void measure_points(const struct mpm *mpm, struct mpm_ledger *l)
 		double m = p->mass[k], volume = p->volume0[k];
 		l->energy_kinetic += 0.5 * m * (p->v[k][0] * p->v[k][0] + p->v[k][1] * p->v[k][1]);
 		l->energy_gravity -= m * (g[0] * p->x[k][0] + g[1] * p->x[k][1]);
-		l->energy_thermal += mpm->thermal ? m * p->capacity[k] * p->T[k] : 0.0;
+		l->energy_thermal += mpm->thermal ? freezing_heat(mpm, k) : 0.0;
 		l->energy_elastic += volume * law.elastic;
 		l->energy_rve_kinetic += volume * law.kinetic;
 		l->heat_rve_friction += volume * law.friction;
@@ -278,16 +277,18 @@ void ledger_start(struct mpm *mpm)
 void mpm_region(const struct mpm *mpm, const struct scene_region *region, struct mpm_region_values *values)
 {
 	const struct particles *p = &mpm->p;
-	double mass = 0.0, capacity = 0.0, heat = 0.0;
+	double mass = 0.0, volume = 0.0, capacity = 0.0, heat = 0.0;
 	for (int k = 0; k < p->n; k++) {
 		const double *x = p->x[k];
 		if (x[0] < region->min[0] || x[1] < region->min[1] || x[0] >= region->max[0] || x[1] >= region->max[1])
 			continue;
 		double c = mpm->thermal ? p->mass[k] * p->capacity[k] : p->mass[k];
 		mass += p->mass[k];
+		volume += mat2_determinant(p->F[k]) * p->volume0[k];
 		capacity += c;
 		heat += c * p->T[k];
 	}
 	values->mass = mass;
+	values->volume = volume;
 	values->temperature = capacity > 0.0 ? heat / capacity : NAN;
 }

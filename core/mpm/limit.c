@@ -53,7 +53,7 @@ static double worst_place(const struct mpm *mpm)
 bool limit_due(const struct mpm *mpm)
 {
 	const struct mpm_work *w = mpm_work(mpm);
-	const double b = mpm->scene->time.step_factor, k = mpm->dt / mpm->grid.h;
+	const double b = mpm->scene->time.step_factor, k = mpm->dt / fmin(mpm->grid.spacing[0], mpm->grid.spacing[1]);
 	double stiffness = 0.0;
 	if (mpm->step % LIMIT_STEPS != 0 && w->total.limit_watched == 0.0)
 		return false;
@@ -111,7 +111,7 @@ static void scatter_stripe(const struct mpm *mpm, struct mpm_work *w, int stripe
 			int q = chunk[k];
 			double volume = mat2_determinant(p->F[q]) * p->volume0[q], stiffness = volume * p->modulus[q];
 			const double *x = w->limit_points[q].weight, motion[2] = {stiffness * x[0], stiffness * x[1]};
-			double heat = w->thermal_dt > 0.0 ? volume * point_conductivity(mpm, w, q) : 0.0;
+			double heat = w->thermal_dt > 0.0 ? mpm_conductance(mpm, q, volume) : 0.0;
 			scatter_rigidity(w, &lists, k * nodes, nodes, motion, heat);
 		}
 	}

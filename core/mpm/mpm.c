@@ -68,6 +68,7 @@ int mpm_step(struct mpm *mpm)
 	long long start = now_ns();
 	CHECK(guard_residual(mpm));
 	stage_begin_step(mpm);
+	CHECK(grid_place(mpm));
 	walls_update(mpm);
 	boundaries_update(mpm);
 	mpm_sort(mpm);
@@ -110,37 +111,12 @@ int mpm_step(struct mpm *mpm)
 
 /* ---- birth ---- */
 
-static int create_grid(struct mpm *mpm)
-{
-	struct grid *grid = &mpm->grid;
-	const struct scene_grid *s = &mpm->scene->grid;
-	grid->h = s->cell;
-	grid->thickness = s->thickness;
-	grid->nx = (int)lround(s->size[0] / s->cell) + 1 + 2 * GHOST_CELLS;
-	grid->ny = (int)lround(s->size[1] / s->cell) + 1 + 2 * GHOST_CELLS;
-	for (int c = 0; c < 2; c++)
-		grid->origin[c] = s->origin[c] - GHOST_CELLS * s->cell;
-	size_t n = (size_t)grid->nx * (size_t)grid->ny;
-	grid->mass = calloc(n, sizeof *grid->mass);
-	grid->v = calloc(n, sizeof *grid->v);
-	grid->v_new = calloc(n, sizeof *grid->v_new);
-	grid->force = calloc(n, sizeof *grid->force);
-	bool complete = grid->mass && grid->v && grid->v_new && grid->force;
-	if (mpm->thermal) {
-		grid->heat_capacity = calloc(n, sizeof *grid->heat_capacity);
-		grid->T = calloc(n, sizeof *grid->T);
-		grid->T_new = calloc(n, sizeof *grid->T_new);
-		complete = complete && grid->heat_capacity && grid->T && grid->T_new;
-	}
-	return complete ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for a grid of %zu nodes", n);
-}
-
 static int create_work(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	const struct grid *grid = &mpm->grid;
 	size_t nodes = (size_t)grid->nx * (size_t)grid->ny, n = (size_t)mpm->p.n;
-	w->shape_grid = (struct shape_grid){{grid->origin[0], grid->origin[1]}, 1.0 / grid->h, grid->nx};
+	w->shape_grid.nx = grid->nx;
 	w->cells_x = grid->nx - 1, w->cells_y = grid->ny - 1;
 	w->n_stripes = (w->cells_y + STRIPE_ROWS - 1) / STRIPE_ROWS;
 	w->internal_force_scale = 1.0;
@@ -202,7 +178,8 @@ static int births_of_body(const struct scene *scene, int b, struct birth **birth
 		int layer = scene_body_layer(body, x[k][1]);
 		*birth = (struct birth){.x = {x[k][0], x[k][1]}, .body = b};
 		birth->material = layer < 0 ? body->material : body->layers[layer].material;
-		birth->temperature = layer < 0 ? body->temperature : body->layers[layer].temperature;
+		birth->temperature =
+			(layer < 0 ? body->temperature : body->layers[layer].temperature) + scene_body_warming(body, birth->x);
 		birth->variant = body->variants > 1 ? k % body->variants : 0;
 	}
 	*n += count;
@@ -274,6 +251,8 @@ static int give_birth(struct mpm *mpm, const struct birth *birth, int id, int at
 	p->mass[at] = density * p->volume0[at];
 	p->T[at] = p->T_smooth[at] = birth->temperature;
 	p->capacity[at] = mpm->thermal ? material->heat_capacity : 0.0;
+	p->thawed[at] = 1.0;
+	freezing_begin(mpm, at);
 	p->dT[at] = isnan(material->reference_temperature) ? 0.0 : birth->temperature - material->reference_temperature;
 	return STATUS_OK;
 }
@@ -284,6 +263,7 @@ static int create_points(struct mpm *mpm, int n, const struct birth *births)
 	struct mpm_work *w = mpm_work(mpm);
 	const struct scene *scene = mpm->scene;
 	CHECK(particles_create(&mpm->p, n));
+	CHECK(freezing_create(mpm));
 	int next[scene->n_laws + 1];
 	memset(next, 0, sizeof next);
 	for (int k = 0; k < n; k++) {
@@ -368,10 +348,11 @@ static int create_all(struct mpm *mpm)
 	if (!mpm->shape)
 		return error_set(STATUS_INPUT, "%s: mpm.shape = \"%s\" is unknown, see `tmdempm info` for what there is",
 						 scene->path, scene->mpm.shape);
-	CHECK(create_grid(mpm));
+	CHECK(grid_create(mpm));
 	CHECK(fill(mpm));
 	CHECK(create_work(mpm));
 	CHECK(walls_create(mpm));
+	CHECK(grid_place(mpm));
 	CHECK(boundaries_create(mpm));
 	CHECK(cohesion_create(mpm));
 	CHECK(start_laws(mpm));
@@ -383,7 +364,7 @@ static int create_all(struct mpm *mpm)
 	/* one look at the grid: the smooth temperature, and is the step stable? */
 	mpm_sort(mpm);
 	mpm_clear_grid(mpm);
-	mpm_work(mpm)->thermal_dt = mpm->thermal ? mpm->dt * scene->time.thermal_every : 0.0;
+	mpm_work(mpm)->thermal_dt = mpm->thermal ? mpm_thermal_step(mpm) : 0.0;
 	mpm_points_to_grid(mpm);
 	if (mpm->thermal)
 		mpm_remap_temperature(mpm);
@@ -432,11 +413,11 @@ void mpm_free(struct mpm *mpm)
 		walls_free(mpm);
 		boundaries_free(mpm);
 		cohesion_free(mpm);
-		void *private[] = {w->half,        w->law_start,   w->law_names,   w->law_of_scene,  w->conductivity,
-						   w->cell,        w->order,       w->cell_first,  w->row_low,       w->row_high,
-						   w->scratch,     w->permutation, w->sums,        w->confining,     w->stripe_sums,
-						   w->block_sums,  w->row_sums,    w->heat_sums,   w->start_warming, w->seen,
-						   w->limit_nodes, w->limit_sums,  w->limit_points};
+		void *private[] = {w->half,       w->law_start,   w->law_names,  w->law_of_scene,  w->conductivity,
+						   w->cell,       w->order,       w->cell_first, w->row_low,       w->row_high,
+						   w->scratch,    w->permutation, w->sums,       w->confining,     w->stripe_sums,
+						   w->block_sums, w->row_sums,    w->heat_sums,  w->start_warming, w->seen,
+						   w->freezing,   w->limit_nodes, w->limit_sums, w->limit_points};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);
@@ -517,6 +498,7 @@ int mpm_restored(struct mpm *mpm)
 						 mpm->step, mpm->stage);
 	w->boundaries_stale = true;
 	w->residual_message[0] = '\0';
+	CHECK(grid_place(mpm));
 	walls_update(mpm);
 	boundaries_update(mpm);
 	return STATUS_OK;

@@ -13,11 +13,12 @@
 
 struct shape; /* shape.h */
 
-/* Nodes nx by ny, node (i, j) = j * nx + i at origin + (i, j) h; one ghost cell lies around the scene's box.
+/* Nodes nx by ny, node (i, j) = j * nx + i at origin + (i, j) spacing; one ghost cell lies around the scene's box.
  * Arrays have nx * ny entries and are valid after a step where mass > 0. */
 struct grid {
 	int nx, ny;
-	double origin[2], h, thickness; /* m */
+	double origin[2], spacing[2]; /* m, as they are now: a grid may follow a wall (grid.c) */
+	double h, thickness;  /* m, edge of a cell at the start; out of plane */
 	double *mass;         /* kg */
 	double (*v)[2];       /* m/s, at the start of the step (momentum / mass, walls not yet felt) */
 	double (*v_new)[2];   /* m/s, at its end */
@@ -74,6 +75,7 @@ struct mpm {
 	double dt;                 /* s, of the last step */
 	int stage;                 /* index of the current stage */
 	double stage_start;        /* s */
+	bool bonds_installed;      /* by the stage that ended with the last step */
 	struct mpm_wall_sums *walls; /* one for each scene wall */
 	double (*wall_offset)[2];  /* m, how far each wall has moved */
 	struct mpm_ledger ledger;  /* filled by mpm_measure(), which a step calls now and then to judge the residual */
@@ -98,7 +100,10 @@ int mpm_step(struct mpm *mpm);
 void mpm_measure(struct mpm *mpm);
 
 /* Sums over a box of the scene. */
-struct mpm_region_values { double mass, temperature; /* kg; K, mean by heat capacity, NAN if empty */ };
+struct mpm_region_values {
+	double mass, volume; /* kg, m3 */
+	double temperature;  /* K, mean by heat capacity, NAN if empty */
+};
 void mpm_region(const struct mpm *mpm, const struct scene_region *region, struct mpm_region_values *values);
 
 /* Storage index of the point with this id, or of the point nearest to `at` in the initial body. */

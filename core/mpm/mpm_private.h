@@ -40,7 +40,7 @@ struct stripe_sum {
 	int bad;                      /* storage index of the first point with a non-finite stress, -1 */
 	double power;                 /* W, sum V sigma : L with the L of the step before */
 	double heat_given;            /* J, of the laws */
-	double heat_flux;             /* J, through boundaries with a given flux */
+	double heat_in, heat_out;     /* J, through boundaries with a flux or convection */
 };
 
 /* Partial results of one block of points on the way back. */
@@ -122,6 +122,24 @@ struct mpm_sums {
 	double limit_watched; /* 1: the next step is looked at, the limit is near or may have moved */
 };
 
+/* How a material freezes.  Specific enthalpy J/kg, counted from all frozen at `low`: linear below, through the
+ * interval (even one without width) and above. */
+struct freezing {
+	bool on;
+	double low, high;      /* K */
+	double frozen, thawed; /* J/(kg K), sensible heat capacity */
+	double all;            /* J/kg, enthalpy at which all is thawed: sensible heat of the interval + latent heat */
+	double conductivity;   /* W/(m K) when frozen; NAN = as thawed */
+};
+
+/* Heat brought to the points of a box, as it is in this step. */
+struct point_heat {
+	const struct scene_boundary *boundary;
+	bool on;
+	double flux;                 /* W/m2 */
+	double coefficient, ambient; /* W/(m2 K), K; 0 without convection */
+};
+
 struct mpm_work {
 	struct shape_grid shape_grid;
 	double *half;                      /* by body: half a point's domain over h */
@@ -129,6 +147,8 @@ struct mpm_work {
 	char (*law_names)[SCENE_NAME + 8]; /* "laws/NAME", of the states in the checkpoint */
 	int *law_of_scene;                 /* scene law -> index in mpm->laws, -1 = has no points */
 	double *conductivity;              /* by material: W/(m K), NAN = from the law */
+	struct freezing *freezing;         /* by material */
+	bool freezes;                      /* some material does */
 	double *start_warming;             /* K, by id: see mpm_start_warming(); NULL = none */
 
 	/* order by cells */
@@ -154,8 +174,11 @@ struct mpm_work {
 	double (*fixed_v)[2];    /* m/s, by node: imposed velocity, NAN = free; NULL = none */
 	double (*fixed_push)[2]; /* kg m/s, by node: what imposing it cost in this step */
 	bool *boundary_on;       /* by scene boundary, at the last look */
+	double *boundary_T;      /* K, by scene boundary: imposed in this step, NAN = free */
+	double *wall_T;          /* K, by scene wall: the same, NAN = insulating */
 	bool boundaries_stale;   /* the walls have changed since then */
-	int n_flux, *flux;       /* the scene boundaries with a flux */
+	int n_point_heats;
+	struct point_heat *point_heats; /* the boundaries with a flux or convection */
 
 	int n_wall_nodes, wall_node_capacity, n_wall_groups;
 	struct wall_node *wall_nodes; /* by node, then wall */
@@ -177,7 +200,7 @@ struct mpm_work {
 	struct heat_sum *heat_sums;
 	struct mpm_sums total;
 	double alpha_p, alpha_g, alpha_pic; /* as fractions of this step */
-	double thermal_dt;                  /* s, of this step's thermal pass; 0 = none in this step */
+	double thermal_dt;                  /* s of thermal time, of this step's thermal pass; 0 = none in this step */
 
 	double internal_force_scale; /* 1; a test plants an error here to see the residual guard fire */
 	char residual_message[256];  /* set by mpm_measure() when the residual is beyond its bound */
@@ -186,12 +209,21 @@ struct mpm_work {
 static inline struct mpm_work *mpm_work(const struct mpm *mpm) { return mpm->work; }
 static inline bool mpm_parallel(const struct mpm *mpm) { return mpm->p.n >= PARALLEL_POINTS; }
 
-/* W/(m K), at least the larger eigenvalue of the conductivity of point p. */
-static inline double point_conductivity(const struct mpm *mpm, const struct mpm_work *w, int p)
+/* Conductivity xx yy xy of a point, W/(m K): the material's or the law's; of frozen and thawed by their shares. */
+static inline void mpm_point_conductivity(const struct mpm *mpm, int p, double conductivity[3])
 {
-	double k = w->conductivity[mpm->p.material[p]];
-	const double *tensor = mpm->p.conductivity[p];
-	return isnan(k) ? fmax(tensor[0], tensor[1]) + fabs(tensor[2]) : k;
+	const struct mpm_work *w = mpm_work(mpm);
+	int material = mpm->p.material[p];
+	double k = w->conductivity[material];
+	const double *law = mpm->p.conductivity[p];
+	conductivity[0] = isnan(k) ? law[0] : k;
+	conductivity[1] = isnan(k) ? law[1] : k;
+	conductivity[2] = isnan(k) ? law[2] : 0.0;
+	double frozen = w->freezes ? w->freezing[material].conductivity : NAN, thawed = mpm->p.thawed[p];
+	if (isnan(frozen))
+		return;
+	for (int c = 0; c < 3; c++)
+		conductivity[c] = thawed * conductivity[c] + (1.0 - thawed) * (c < 2 ? frozen : 0.0);
 }
 
 /* ---- particles.c ---- */
@@ -203,6 +235,13 @@ size_t particles_bytes(int n);
 size_t particles_widest(void);
 /* Appends the columns to the list of state arrays (or only counts). */
 int particles_state(struct particles *p, struct mpm_state_array *arrays, int at);
+
+/* ---- grid.c ---- */
+#define GRID_LEAST                                                                                                     \
+	0.5 /* least cell edge of a grid that follows a wall, of that at the start; its inverse the largest */
+int grid_create(struct mpm *mpm);
+/* Puts the nodes where they are in this step; STATUS_GUARD if a grid that follows a wall has been stretched too far. */
+int grid_place(struct mpm *mpm);
 
 /* ---- sort.c ---- */
 /* Grid cell of a place, -1 outside the scene's box (and for NaN). */
@@ -220,6 +259,27 @@ void mpm_grid_to_points(struct mpm *mpm);
 /* ---- thermal.c ---- */
 void mpm_heat_nodes(struct mpm *mpm);
 void mpm_remap_temperature(struct mpm *mpm);
+/* W m2/K: the conductivity times volume that would take as much of the step limit as convection at a point. */
+double mpm_convection_as_conduction(const struct mpm *mpm, int p, double volume);
+
+/* W m2/K, what bounds the thermal step of a point: its volume times at least the larger eigenvalue of its conductivity,
+ * and what convection adds. */
+static inline double mpm_conductance(const struct mpm *mpm, int p, double volume)
+{
+	double tensor[3];
+	mpm_point_conductivity(mpm, p, tensor);
+	double conductance = (fmax(tensor[0], tensor[1]) + fabs(tensor[2])) * volume;
+	return mpm_work(mpm)->n_point_heats ? conductance + mpm_convection_as_conduction(mpm, p, volume) : conductance;
+}
+
+/* ---- freezing.c ---- */
+int freezing_create(struct mpm *mpm);
+/* Sets the thawed share and heat capacity of a point by its temperature. */
+void freezing_begin(struct mpm *mpm, int p);
+/* Gives a point of a freezing material the sensible heat of dT, K, and finds its temperature. */
+void freezing_absorb(struct mpm *mpm, int p, double dT);
+/* Heat content of a point, J, up to a constant of its material. */
+double freezing_heat(const struct mpm *mpm, int p);
 
 /* ---- wall.c ---- */
 int walls_create(struct mpm *mpm);
@@ -267,6 +327,8 @@ int guard_energy(struct mpm *mpm);
 int guard_law(const struct mpm *mpm, int status, int point);
 
 /* ---- stage.c ---- */
+/* s of thermal time that one thermal pass covers: conduction runs time_scale times faster than the clock. */
+double mpm_thermal_step(const struct mpm *mpm);
 void stage_begin_step(struct mpm *mpm);
 void stage_end_step(struct mpm *mpm);
 

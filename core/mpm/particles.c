@@ -42,6 +42,7 @@ static const struct column columns[] = {
 	COLUMN(heat, 'd', 1),
 	COLUMN(conductivity, 'd', 3),
 	COLUMN(capacity, 'd', 1),
+	COLUMN(thawed, 'd', 1),
 	COLUMN(heat_pending, 'd', 1),
 	COLUMN(heat_friction_sum, 'd', 1),
 	COLUMN(growth, 'd', 1),
@@ -139,6 +140,7 @@ enum particle_field {
 	FIELD_HEAT_SOURCE,
 	FIELD_HEAT_FRICTION,
 	FIELD_CONDUCTIVITY,
+	FIELD_THAWED,
 	FIELD_DENSITY,
 	FIELD_VOLUME,
 	FIELD_MASS,
@@ -163,6 +165,7 @@ const struct field particle_fields[] = {
 	[FIELD_HEAT_FRICTION] = {"heat_friction", "J/m3", 1, "heat received from the law so far, per initial volume"},
 	[FIELD_CONDUCTIVITY] = {"conductivity", "W/(m K)", 6,
 							"conductivity tensor; zz is 0 where a law knows the plane only"},
+	[FIELD_THAWED] = {"thawed_fraction", "-", 1, "share of the mass that is not frozen; only where something freezes"},
 	[FIELD_DENSITY] = {"density", "kg/m3", 1, "bulk density"},
 	[FIELD_VOLUME] = {"volume", "m3", 1, "volume, with the grid's thickness"},
 	[FIELD_MASS] = {"mass", "kg", 1, "mass, with the grid's thickness"},
@@ -170,6 +173,14 @@ const struct field particle_fields[] = {
 	[FIELD_BODY] = {"body", "-", 1, "number of the body in the scene"},
 };
 const int particle_fields_count = sizeof particle_fields / sizeof *particle_fields;
+
+bool particle_field_applies(const struct scene *scene, int f)
+{
+	bool applies = f != FIELD_THAWED;
+	for (int m = 0; m < scene->n_materials; m++)
+		applies = applies || !isnan(scene->materials[m].freezing[0]);
+	return applies;
+}
 
 /* sqrt(2/3 e':e') with e' = e - tr(e)/2 I, in the plane. */
 static double deviatoric(double xx, double yy, double xy)
@@ -203,12 +214,9 @@ static void stress_field(int f, const double s[4], double *out)
 
 static void conductivity_field(const struct mpm *mpm, int k, double out[6])
 {
-	double given = mpm_work(mpm)->conductivity[mpm->p.material[k]];
-	const double *law = mpm->p.conductivity[k];
-	if (isnan(given))
-		tensor(out, law[0], law[1], 0.0, law[2]);
-	else
-		tensor(out, given, given, given, 0.0);
+	double c[3];
+	mpm_point_conductivity(mpm, k, c);
+	tensor(out, c[0], c[1], isnan(mpm_work(mpm)->conductivity[mpm->p.material[k]]) ? 0.0 : c[0], c[2]);
 }
 
 static void point_field(const struct mpm *mpm, int f, int k, double *out)
@@ -248,6 +256,9 @@ static void point_field(const struct mpm *mpm, int f, int k, double *out)
 		break;
 	case FIELD_CONDUCTIVITY:
 		conductivity_field(mpm, k, out);
+		break;
+	case FIELD_THAWED:
+		*out = p->thawed[k];
 		break;
 	case FIELD_DENSITY:
 		*out = p->mass[k] / (p->volume0[k] * mat2_determinant(p->F[k]));

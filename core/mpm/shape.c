@@ -23,14 +23,14 @@ static void linear_fill(const struct shape_grid *grid, int n, const int *point, 
 						const double *half, struct shape_lists *lists)
 {
 	(void)size, (void)half;
-	const double s = grid->inverse_h;
-	const double g[2] = {-s, s};
+	const double sx = grid->inverse_h[0], sy = grid->inverse_h[1];
+	const double gx[2] = {-sx, sx}, gy[2] = {-sy, sy};
 	for (int k = 0; k < n; k++) {
-		double fx = (x[point[k]][0] - grid->origin[0]) * s, fy = (x[point[k]][1] - grid->origin[1]) * s;
+		double fx = (x[point[k]][0] - grid->origin[0]) * sx, fy = (x[point[k]][1] - grid->origin[1]) * sy;
 		int i = (int)fx, j = (int)fy;
 		fx -= i, fy -= j;
 		const double wx[2] = {1.0 - fx, fx}, wy[2] = {1.0 - fy, fy};
-		tensor_product(2, j * grid->nx + i, grid->nx, wx, wy, g, g, lists->node + 4 * k, lists->weight + 4 * k,
+		tensor_product(2, j * grid->nx + i, grid->nx, wx, wy, gx, gy, lists->node + 4 * k, lists->weight + 4 * k,
 					   lists->grad_x + 4 * k, lists->grad_y + 4 * k);
 	}
 }
@@ -56,14 +56,14 @@ static inline __attribute__((always_inline)) void ugimp_1d(double f, double l, d
 static void ugimp_fill(const struct shape_grid *grid, int n, const int *point, const double (*x)[2], const int *size,
 					   const double *half, struct shape_lists *lists)
 {
-	const double s = grid->inverse_h;
+	const double sx = grid->inverse_h[0], sy = grid->inverse_h[1];
 	for (int k = 0; k < n; k++) {
-		double fx = (x[point[k]][0] - grid->origin[0]) * s, fy = (x[point[k]][1] - grid->origin[1]) * s;
+		double fx = (x[point[k]][0] - grid->origin[0]) * sx, fy = (x[point[k]][1] - grid->origin[1]) * sy;
 		int i = (int)(fx + 0.5), j = (int)(fy + 0.5); /* nearest node */
 		double l = half[size[point[k]]], inverse_2l = 0.5 / l;
 		double wx[3], wy[3], gx[3], gy[3];
-		ugimp_1d(fx - i, l, inverse_2l, s, wx, gx);
-		ugimp_1d(fy - j, l, inverse_2l, s, wy, gy);
+		ugimp_1d(fx - i, l, inverse_2l, sx, wx, gx);
+		ugimp_1d(fy - j, l, inverse_2l, sy, wy, gy);
 		tensor_product(3, (j - 1) * grid->nx + i - 1, grid->nx, wx, wy, gx, gy, lists->node + 9 * k,
 					   lists->weight + 9 * k, lists->grad_x + 9 * k, lists->grad_y + 9 * k);
 	}

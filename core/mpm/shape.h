@@ -20,10 +20,11 @@ struct shape_lists {
 	double grad_y[SHAPE_CHUNK * SHAPE_MAX_NODES];
 } __attribute__((aligned(64)));
 
-/* What a fill function has to know of the grid: node (i, j) = j * nx + i lies at origin + (i, j) / inverse_h. */
+/* What a fill function has to know of the grid: node (i, j) = j * nx + i lies at
+ * origin + (i / inverse_h[0], j / inverse_h[1]). */
 struct shape_grid {
-	double origin[2]; /* m */
-	double inverse_h; /* 1/m */
+	double origin[2];    /* m */
+	double inverse_h[2]; /* 1/m, in x and y */
 	int nx;
 };
 

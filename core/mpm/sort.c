@@ -5,8 +5,8 @@
 
 int mpm_cell_of(const struct mpm_work *w, const double x[2])
 {
-	double s = w->shape_grid.inverse_h;
-	double fx = (x[0] - w->shape_grid.origin[0]) * s, fy = (x[1] - w->shape_grid.origin[1]) * s;
+	const double *s = w->shape_grid.inverse_h;
+	double fx = (x[0] - w->shape_grid.origin[0]) * s[0], fy = (x[1] - w->shape_grid.origin[1]) * s[1];
 	if (!(fx >= GHOST_CELLS && fy >= GHOST_CELLS && fx <= w->cells_x - GHOST_CELLS && fy <= w->cells_y - GHOST_CELLS))
 		return -1;
 	return (int)fy * w->cells_x + (int)fx;

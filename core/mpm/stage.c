@@ -3,18 +3,24 @@
 
 #include "mpm/mpm_private.h"
 
+double mpm_thermal_step(const struct mpm *mpm)
+{
+	return mpm->dt * mpm->scene->time.thermal_every * mpm->scene->thermal.time_scale;
+}
+
 void stage_begin_step(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	const struct scene *scene = mpm->scene;
 	double staged = scene->n_stages > 0 ? scene->stages[mpm->stage].damping : 0.0;
 	mpm->dt = scene->time.step;
+	mpm->bonds_installed = false;
 	w->alpha_p = (scene->mpm.damping_particle + staged) * mpm->dt;
 	w->alpha_g = scene->mpm.damping_grid * mpm->dt;
 	w->alpha_pic = scene->mpm.pic_fraction;
 	int every = scene->time.thermal_every;
 	bool due = mpm->thermal && (mpm->step + 1) % every == 0;
-	w->thermal_dt = due ? mpm->dt * every : 0.0;
+	w->thermal_dt = due ? mpm_thermal_step(mpm) : 0.0;
 }
 
 /* What the velocities take with them is lost, and booked. */
@@ -27,6 +33,14 @@ static void zero_velocities(struct mpm *mpm)
 	}
 }
 
+static void install_bonds(struct mpm *mpm)
+{
+	for (int l = 0; l < mpm->n_laws; l++)
+		if (mpm->laws[l]->type->install_bonds)
+			mpm->laws[l]->type->install_bonds(mpm->laws[l]);
+	mpm->bonds_installed = true;
+}
+
 void stage_end_step(struct mpm *mpm)
 {
 	const struct scene *scene = mpm->scene;
@@ -35,6 +49,8 @@ void stage_end_step(struct mpm *mpm)
 	const struct scene_stage *stage = &scene->stages[mpm->stage];
 	if (mpm->time - mpm->stage_start < stage->duration - 0.5 * mpm->dt)
 		return;
+	if (stage->then_install_bonds)
+		install_bonds(mpm);
 	if (stage->then_zero_velocity)
 		zero_velocities(mpm);
 	if (stage->then_zero_ledger)

@@ -69,11 +69,10 @@ INLINE void check_point(const struct mpm *mpm, struct stripe_sum *sum, int p, do
 		sum->bad = p;
 }
 
-INLINE void check_point_heat(const struct mpm *mpm, const struct mpm_work *w, struct stripe_sum *sum, int p,
-							 double volume)
+INLINE void check_point_heat(const struct mpm *mpm, struct stripe_sum *sum, int p, double volume)
 {
 	const struct particles *points = &mpm->p;
-	double diffusivity = point_conductivity(mpm, w, p) * volume / (points->mass[p] * points->capacity[p]);
+	double diffusivity = mpm_conductance(mpm, p, volume) / (points->mass[p] * points->capacity[p]);
 	if (diffusivity > sum->diffusivity)
 		sum->diffusivity = diffusivity, sum->most_diffusive = p;
 	if (!isfinite(diffusivity + points->T[p]) && sum->bad < 0)
@@ -94,7 +93,7 @@ INLINE void scatter_stripe(const struct mpm *mpm, struct mpm_work *w, int stripe
 			double volume = mat2_determinant(points->F[chunk[k]]) * points->volume0[chunk[k]];
 			check_point(mpm, &sum, chunk[k], volume);
 			if (heat)
-				check_point_heat(mpm, w, &sum, chunk[k], volume);
+				check_point_heat(mpm, &sum, chunk[k], volume);
 			scatter_point(mpm, w, &lists, k * nodes, chunk[k], nodes, heat, confined, volume);
 		}
 	}
@@ -294,8 +293,8 @@ INLINE void move_point(struct particles *p, int k, const struct gathered *g, con
 
 static bool inside(const struct mpm_work *w, const double x[2])
 {
-	double s = w->shape_grid.inverse_h, fx = (x[0] - w->shape_grid.origin[0]) * s,
-		   fy = (x[1] - w->shape_grid.origin[1]) * s;
+	const double *s = w->shape_grid.inverse_h;
+	double fx = (x[0] - w->shape_grid.origin[0]) * s[0], fy = (x[1] - w->shape_grid.origin[1]) * s[1];
 	return fx >= GHOST_CELLS && fy >= GHOST_CELLS && fx <= w->cells_x - GHOST_CELLS && fy <= w->cells_y - GHOST_CELLS;
 }
 
@@ -325,7 +324,10 @@ INLINE void gather_block(struct mpm *mpm, struct mpm_work *w, int block, int nod
 			memcpy(p->L[q], g.L, sizeof g.L);
 			deform(p->F[q], g.L, dt);
 			if (heat) {
-				p->T[q] += g.dT;                     /* eq. 28 */
+				if (w->freezes && w->freezing[p->material[q]].on)
+					freezing_absorb(mpm, q, g.dT);
+				else
+					p->T[q] += g.dT;                 /* eq. 28 */
 				p->dT[q] = g.T_new - p->T_smooth[q]; /* eq. 29 feeds the law only */
 				p->T_smooth[q] = g.T_new;
 			} else if (mpm->thermal) {

@@ -236,12 +236,12 @@ static void find_wall_nodes(struct mpm *mpm, int wall)
 	const int count[2] = {grid->nx, grid->ny};
 	int low[2], high[2];
 	for (int c = 0; c < 2; c++) {
-		low[c] = (int)fmax(0.0, floor((solid->low[c] - grid->origin[c]) / grid->h));
-		high[c] = (int)fmin(count[c] - 1.0, ceil((solid->high[c] - grid->origin[c]) / grid->h));
+		low[c] = (int)fmax(0.0, floor((solid->low[c] - grid->origin[c]) / grid->spacing[c]));
+		high[c] = (int)fmin(count[c] - 1.0, ceil((solid->high[c] - grid->origin[c]) / grid->spacing[c]));
 	}
 	for (int j = low[1]; j <= high[1]; j++)
 		for (int i = low[0]; i <= high[0]; i++) {
-			const double x[2] = {grid->origin[0] + i * grid->h, grid->origin[1] + j * grid->h};
+			const double x[2] = {grid->origin[0] + i * grid->spacing[0], grid->origin[1] + j * grid->spacing[1]};
 			if (!solid_holds(solid, x, ON_SURFACE * grid->h))
 				continue;
 			if (mpm->scene->walls[wall].shape == SCENE_WALL_LINE)
@@ -392,13 +392,14 @@ void walls_move(struct mpm *mpm)
 
 /* ---- life ---- */
 
-/* Most contacts that a wall can have: its box moves, its size does not. */
+/* Most contacts that a wall can have: its box moves, its size does not, but the cells may shrink. */
 static size_t most_contacts(const struct mpm *mpm, int wall)
 {
 	const struct wall_solid *solid = &mpm_work(mpm)->solids[wall];
 	size_t nodes = 1;
+	double least = mpm->grid.h * (mpm->scene->grid.follows ? GRID_LEAST : 1.0);
 	for (int c = 0; c < 2; c++) {
-		double count = fmin((solid->high[c] - solid->low[c]) / mpm->grid.h + 3.0, c == 0 ? mpm->grid.nx : mpm->grid.ny);
+		double count = fmin((solid->high[c] - solid->low[c]) / least + 3.0, c == 0 ? mpm->grid.nx : mpm->grid.ny);
 		nodes *= (size_t)count + 1;
 	}
 	return 2 * nodes;

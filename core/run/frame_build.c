@@ -97,7 +97,7 @@ static void frame_grid(struct frame_work *work)
 		return;
 	channel->dims[0] = grid->nx, channel->dims[1] = grid->ny;
 	channel->origin[0] = grid->origin[0], channel->origin[1] = grid->origin[1];
-	channel->spacing[0] = channel->spacing[1] = grid->h;
+	channel->spacing[0] = grid->spacing[0], channel->spacing[1] = grid->spacing[1];
 	double *mass = frame_new_array(work, "mass", "kg", FRAME_POINT, FRAME_F64, 1, n);
 	if (mass)
 		memcpy(mass, grid->mass, (size_t)n * sizeof *mass);
@@ -263,6 +263,8 @@ static void frame_rve_note(const struct mpm *mpm, const struct rve_info *info, i
 	if (mpm->thermal)
 		n += snprintf(note + n, 256 - (size_t)n, ", T = %.5g %s%s", scene_temperature_out(mpm->scene, mpm->p.T[point]),
 					  mpm->scene->units.celsius ? "\302\260" : "", scene_temperature_unit(mpm->scene));
+	if (info->bonds_installed > 0)
+		n += snprintf(note + n, 256 - (size_t)n, ", bonds %.0f%%", 100.0 * info->bond_fraction);
 	if (info->flags & RVE_GAS)
 		n += snprintf(note + n, 256 - (size_t)n, ", flying");
 	if (info->flags & RVE_FROZEN)

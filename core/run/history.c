@@ -173,6 +173,7 @@ static int history_header(struct history *history)
 	for (int r = 0; r < scene->n_regions; r++) {
 		history_name(history, "region.", scene->regions[r].name, "mass", "", "kg");
 		history_name(history, "region.", scene->regions[r].name, "flow", "", "kg/s");
+		history_name(history, "region.", scene->regions[r].name, "volume", "", "m3");
 		history_name(history, "region.", scene->regions[r].name, "temperature", "", scene_temperature_unit(scene));
 	}
 	for (int w = 0; w < scene->n_walls; w++) {
@@ -197,6 +198,7 @@ static void history_regions(struct history *history, bool scheduled)
 		mpm_region(mpm, &mpm->scene->regions[r], &values);
 		csv_number(history->csv, values.mass);
 		csv_number(history->csv, elapsed > 0 ? (history->memory->region_mass[r] - values.mass) / elapsed : 0.0);
+		csv_number(history->csv, values.volume);
 		csv_number(history->csv, scene_temperature_out(mpm->scene, values.temperature));
 		if (scheduled)
 			history->memory->region_mass[r] = values.mass;

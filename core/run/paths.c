@@ -7,8 +7,9 @@
 #include "run/run_private.h"
 
 struct path {
-	int id;    /* of the point */
-	int point; /* where it lay last: storage is sorted now and then */
+	int id;      /* of the point */
+	int point;   /* where it lay last: storage is sorted now and then */
+	bool bonded; /* its law has bonds: rows say the absolute temperature, and when they are installed */
 	struct csv_writer *csv;
 };
 
@@ -47,12 +48,16 @@ static int path_cut(const char *file, long long rows, long long *found)
 	return status;
 }
 
-static int path_row(struct path *path, double duration, const double L[4], double dT)
+static int path_row(struct path *path, const struct mpm *mpm, const double L[4], double dT, double T, bool bonds)
 {
-	csv_number(path->csv, duration);
+	csv_number(path->csv, mpm->dt);
 	for (int c = 0; c < 4; c++)
 		csv_number(path->csv, L[c]);
 	csv_number(path->csv, dT);
+	if (path->bonded) {
+		csv_number(path->csv, T);
+		csv_integer(path->csv, bonds);
+	}
 	return csv_end_row(path->csv);
 }
 
@@ -61,20 +66,21 @@ static int path_open(struct path *path, const struct mpm *mpm, const char *file,
 {
 	static const double rest[4] = {0};
 	double warming = mpm_start_warming(mpm, path->id);
-	static const char *const names[] = {"duration", "L11", "L12", "L21", "L22", "dT"};
+	static const char *const names[] = {"duration", "L11", "L12", "L21", "L22", "dT", "T", "bonds"};
 	CHECK(csv_open(&path->csv, file, append));
 	if (append)
 		return STATUS_OK;
-	for (int c = 0; c < 6; c++)
+	for (int c = 0; c < (path->bonded ? 8 : 6); c++)
 		csv_text(path->csv, names[c]);
 	CHECK(csv_end_row(path->csv));
-	return isnan(warming) ? STATUS_OK : path_row(path, mpm->scene->time.step, rest, warming);
+	return isnan(warming) ? STATUS_OK : path_row(path, mpm, rest, warming, mpm->p.T_smooth[path->point], false);
 }
 
 static int paths_add(struct paths *paths, const struct scene_inspect *inspect, const char *folder, bool restart,
 					 struct run_log *log)
 {
 	const struct mpm *mpm = paths->mpm;
+	const struct scene *scene = mpm->scene;
 	int point = inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
 	char below[FILE_PATH], file[FILE_PATH], name[SCENE_NAME + 16];
 	CHECK(file_join(below, folder, "rve"));
@@ -84,6 +90,7 @@ static int paths_add(struct paths *paths, const struct scene_inspect *inspect, c
 	struct path *path = &paths->paths[paths->n];
 	path->id = mpm->p.id[point];
 	path->point = point;
+	path->bonded = scene->laws[scene->materials[mpm->p.material[point]].law].rve.bonds.strength > 0.0;
 	long long rows = mpm->step + !isnan(mpm_start_warming(mpm, path->id)), found;
 	if (restart)
 		CHECK(path_cut(file, rows, &found));
@@ -125,7 +132,8 @@ int paths_record(struct paths *paths)
 		struct path *path = &paths->paths[i];
 		if (mpm->p.id[path->point] != path->id)
 			path->point = mpm_point_by_id(mpm, path->id);
-		CHECK(path_row(path, mpm->dt, mpm->p.L[path->point], mpm->p.dT[path->point]));
+		CHECK(path_row(path, mpm, mpm->p.L[path->point], mpm->p.dT[path->point], mpm->p.T_smooth[path->point],
+					   mpm->bonds_installed));
 	}
 	return STATUS_OK;
 }

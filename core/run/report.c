@@ -44,6 +44,7 @@ static void report_times(struct json *json, const struct run *run)
 	json_number(json, "output", run->output_time);
 	json_number(json, "viewer_wait", images_waited(run->images));
 	json_number(json, "total", report_loop_time(run));
+	json_number(json, "cpu", run->loop_cpu);
 	json_close(json, '}');
 }
 
@@ -65,6 +66,8 @@ static void report_counts(struct json *json, const struct run *run)
 	json_integer(json, "reseeded", counts.reseeded);
 	json_integer(json, "clamped", counts.clamped);
 	json_integer(json, "rebuilds", counts.rebuilds);
+	json_integer(json, "bonds_installed", counts.bonds_installed);
+	json_integer(json, "bonds_intact", counts.bonds_intact);
 	json_open(json, "inertial_number_histogram", '[');
 	for (int i = 0; i < INERTIA_BINS; i++)
 		json_integer(json, NULL, counts.inertia[i]);
@@ -133,6 +136,8 @@ static void report_fill(struct json *json, const struct run *run, const char *st
 	json_integer(json, "step", run->mpm->step);
 	json_number(json, "time", run->mpm->time);
 	json_number(json, "dt", run->mpm->dt);
+	if (run->mpm->thermal)
+		json_number(json, "thermal_time_scale", run->scene->thermal.time_scale);
 	report_times(json, run);
 	report_counts(json, run);
 	report_outcome(json, run, state);
@@ -176,6 +181,8 @@ static void report_print_times(struct run *run)
 	if (counts.disc_steps > 0)
 		log_line(&run->log, "RVEs: %lld flying, %lld frozen, %lld re-seeded, %lld steps with N clamped", counts.gas,
 				 counts.frozen, counts.reseeded, counts.clamped);
+	if (counts.bonds_installed > 0)
+		log_line(&run->log, "bonds: %lld of %lld intact", counts.bonds_intact, counts.bonds_installed);
 }
 
 void report_print(struct run *run)

@@ -280,7 +280,8 @@ static int snapshot_grid(const struct snapshots *s, hid_t group)
 	CHECK(h5_attribute_integer(group, ".", "ny", grid->ny));
 	CHECK(h5_attribute_number(group, ".", "origin_x", grid->origin[0]));
 	CHECK(h5_attribute_number(group, ".", "origin_y", grid->origin[1]));
-	CHECK(h5_attribute_number(group, ".", "cell", grid->h));
+	CHECK(h5_attribute_number(group, ".", "spacing_x", grid->spacing[0]));
+	CHECK(h5_attribute_number(group, ".", "spacing_y", grid->spacing[1]));
 	CHECK(snapshot_dataset(group, "mass", "kg", H5T_NATIVE_DOUBLE, n, 1, grid->mass));
 	CHECK(snapshot_dataset(group, "velocity", "m/s", H5T_NATIVE_DOUBLE, n, 2, grid->v_new));
 	if (!s->mpm->thermal)

@@ -58,7 +58,7 @@ static const char help_load[] =
 	"  biaxial    y is shortened at R, a servo holds sigma_xx at -P (--lateral)\n"
 	"  shear      L_xy = R at constant volume\n"
 	"  iso        a servo no faster than R brings sigma to -P (--lateral) and holds it there\n"
-	"  path       rows duration,L11,L12,L21,L22,dT as a run records them in rve/NAME_path.csv\n"
+	"  path       rows duration,L11,L12,L21,L22,dT[,T,bonds] as a run records them in rve/NAME_path.csv\n"
 	"\n"
 	"  --packing FILE       .h5 or .csv; or one is generated (cached) from\n" PACKING_OPTIONS
 	"  --mu-pack M          friction while it is compressed\n"
@@ -70,6 +70,10 @@ static const char help_load[] =
 	"  --lateral P          Pa (the packing's own pressure)\n"
 	"  --mu M               friction between discs (0.5)\n"
 	"  --temperature dT     K, heats the RVE before the load\n"
+	"  --bond-beta B        bonds between discs in contact, installed at rest before the heating (of a path: where it\n"
+	"                       says so); they bear B kn R in tension (0, no bonds)\n"
+	"  --mu-bond M          and M times that in shear (0.5)\n"
+	"  --bond-melting dT    K of heating beyond which they break (never)\n"
 	"  --strain-per-step S  a sub-step strains by min(R dt, S) (5e-5); of a path: the largest\n"
 	"  --rows N             rows after the first (200; of a path: all)\n"
 	"  --path FILE          the path to replay\n"
@@ -87,7 +91,7 @@ enum { SETS_MAX = 64 };
 struct options {
 	const char *packing, *out, *load, *path, *lattice, *scene, *law;
 	double pressure, mu, mu_pack, void_ratio, radius_min, radius_max, rate, strain, lateral, temperature,
-		strain_per_step;
+		strain_per_step, bond_beta, mu_bond, bond_melting;
 	long discs, seed, rows;
 	bool help;
 	int n_sets;
@@ -96,7 +100,7 @@ struct options {
 	char **files;
 };
 
-enum value_kind { VALUE_TEXT, VALUE_NUMBER, VALUE_COUNT, VALUE_NONE, VALUE_LIST, VALUE_LATER };
+enum value_kind { VALUE_TEXT, VALUE_NUMBER, VALUE_COUNT, VALUE_NONE, VALUE_LIST };
 
 /* One option: where its value goes, and what it must be. */
 struct option_rule {
@@ -128,8 +132,9 @@ static const struct option_rule rules[] = {
 	{"strain-per-step", VALUE_NUMBER, AT(strain_per_step), 0, true, "a strain above 0", VERB_LOAD},
 	{"rows", VALUE_COUNT, AT(rows), 1, false, "a whole number of rows, 1 or more", VERB_LOAD},
 	{"mu-pack", VALUE_NUMBER, AT(mu_pack), 0, false, "a friction coefficient, 0 or more", VERB_LOAD},
-	{"bond-beta", VALUE_LATER, 0, 0, false, "", VERB_LOAD},
-	{"mu-bond", VALUE_LATER, 0, 0, false, "", VERB_LOAD},
+	{"bond-beta", VALUE_NUMBER, AT(bond_beta), 0, false, "a strength, 0 or more", VERB_LOAD},
+	{"mu-bond", VALUE_NUMBER, AT(mu_bond), 0, false, "a ratio of shear to tensile strength, 0 or more", VERB_LOAD},
+	{"bond-melting", VALUE_NUMBER, AT(bond_melting), -HUGE_VAL, false, "a temperature change (K)", VERB_LOAD},
 	{"mu", VALUE_NUMBER, AT(mu), 0, false, "a friction coefficient, 0 or more", VERB_PACK | VERB_LOAD},
 	{"discs", VALUE_COUNT, AT(discs), 1, false, "a whole number of discs", VERB_PACK | VERB_LOAD},
 	{"pressure", VALUE_NUMBER, AT(pressure), 0, true, "a pressure above 0 (Pa)", VERB_PACK | VERB_LOAD},
@@ -161,8 +166,6 @@ static int set_option(struct options *o, const struct option_rule *rule, const c
 		*(bool *)at = true;
 		return STATUS_OK;
 	}
-	if (rule->kind == VALUE_LATER)
-		return usage_error("--%s: bonds come with the next release; this one knows unbonded discs only", rule->name);
 	if (rule->kind == VALUE_LIST) {
 		if (o->n_sets == SETS_MAX)
 			return usage_error("--%s is given more than %d times", rule->name, SETS_MAX);
@@ -202,6 +205,9 @@ static int parse(struct options *o, int verb, int argc, char **argv)
 						  .lateral = NAN,
 						  .temperature = NAN,
 						  .strain_per_step = NAN,
+						  .bond_beta = NAN,
+						  .mu_bond = NAN,
+						  .bond_melting = NAN,
 						  .discs = -1,
 						  .seed = -1,
 						  .rows = -1};
@@ -327,8 +333,9 @@ static int check_load(const struct options *o, struct rve_drive *drive)
 		return missing("path", "the file with the path, rows duration,L11,L12,L21,L22,dT");
 	if (!path && o->path)
 		return usage_error("--path is given with --load %s, expected it with --load path only", o->load);
-	if (path && (!isnan(o->rate) || !isnan(o->strain) || !isnan(o->temperature)))
-		return usage_error("--rate, --strain and --temperature are not for --load path: the file says them");
+	if (path && (!isnan(o->rate) || !isnan(o->strain) || !isnan(o->temperature) || !isnan(o->bond_melting)))
+		return usage_error(
+			"--rate, --strain, --temperature and --bond-melting are not for --load path: the file says them");
 	if (!servo && !isnan(o->lateral))
 		return usage_error("--lateral is given with --load %s, expected it with biaxial or iso", o->load);
 	if (!path && isnan(o->rate))
@@ -442,6 +449,8 @@ static void report(const struct rve_drive_report *r, const char *out, double sec
 				"tmdempm rve load: warning: in %d of %d rows the held stress is more than 1%% off; a smaller --rate "
 				"or --strain-per-step holds it better\n",
 				r->rows_off_pressure, r->rows);
+	if (last->bonds_installed > 0)
+		printf("bonds: %d of %d intact\n", last->bonds_intact, last->bonds_installed);
 	if (last->reseeded > 0)
 		fprintf(stderr, "tmdempm rve load: warning: the cell became too slender and was replaced %d times\n",
 				last->reseeded);
@@ -490,9 +499,31 @@ static int load_packing(const struct options *o, struct rve_drive *drive, const 
 	if (o->path)
 		CHECK(rve_path_read(&path, o->path));
 	drive->path = &path;
-	int status = write_curve(o, packing, params, drive);
+	int status =
+		o->path && o->bond_beta > 0.0 && !path.bonded
+			? usage_error("--bond-beta is given, but %s has no column that says when bonds are installed", o->path)
+			: write_curve(o, packing, params, drive);
 	rve_path_free(&path);
 	return status;
+}
+
+/* Bonds as the options change them.  A load knows temperature changes only, so where bonds melt is said as one; a
+ * scene's law says an absolute temperature, and the start is then that much below it. */
+static int set_bonds(const struct options *o, struct rve_params *params, struct rve_drive *drive)
+{
+	params->bond_strength = or_default(o->bond_beta, params->bond_strength);
+	params->bond_mu = or_default(o->mu_bond, params->bond_mu);
+	if (!(params->bond_strength < params->skin))
+		return usage_error("--bond-beta is %g, expected less than the skin of %g: bonded discs must stay neighbours",
+						   params->bond_strength, params->skin);
+	if (drive->load == RVE_LOAD_PATH || !(params->bond_strength > 0.0))
+		return STATUS_OK;
+	if (isnan(o->bond_melting) && isfinite(params->bond_melting))
+		return missing("bond-melting", "how far above the start the scene's bonds melt, in K");
+	if (isinf(params->bond_melting))
+		params->bond_melting = or_default(o->bond_melting, params->bond_melting);
+	drive->start_temperature = isfinite(params->bond_melting) ? params->bond_melting - o->bond_melting : 0.0;
+	return STATUS_OK;
 }
 
 static int cmd_load(const struct options *o)
@@ -505,6 +536,8 @@ static int cmd_load(const struct options *o)
 	CHECK(check_load(o, &drive));
 	CHECK(check_out(o->out, ".csv", NULL));
 	int status = get_rve(o, &params, &packing);
+	if (status == STATUS_OK)
+		status = set_bonds(o, &params, &drive);
 	if (status != STATUS_OK) {
 		rve_packing_free(packing);
 		return status;

@@ -39,32 +39,40 @@ int rve_load_find(const char *name)
 
 /* ---- paths ---- */
 
+#define PATH_CELLS "duration,L11,L12,L21,L22,dT and, of a law with bonds, T,bonds"
+
 static int check_path(const struct csv_table *t)
 {
+	if (t->rows == 0)
+		return error_set(STATUS_INPUT, "%s: no rows, expected " PATH_CELLS, t->path);
+	if (t->columns != PATH_T && t->columns != PATH_COLUMNS)
+		return error_set(STATUS_INPUT, "%s:%d: %d cells, expected " PATH_CELLS, t->path, t->lines[0], t->columns);
 	for (int k = 0; k < t->rows; k++) {
-		const double *row = t->values + 6 * k;
-		for (int c = 0; c < 6; c++)
+		const double *row = t->values + t->columns * k;
+		for (int c = 0; c < t->columns; c++)
 			if (!isfinite(row[c]))
 				return error_set(STATUS_INPUT, "%s:%d: cell %d is %g, expected a finite number", t->path, t->lines[k],
 								 c + 1, row[c]);
-		if (!(row[0] > 0.0))
+		if (!(row[PATH_DURATION] > 0.0))
 			return error_set(STATUS_INPUT, "%s:%d: the duration is %g, expected a positive number of seconds", t->path,
-							 t->lines[k], row[0]);
+							 t->lines[k], row[PATH_DURATION]);
 	}
-	return t->rows > 0 ? STATUS_OK
-					   : error_set(STATUS_INPUT, "%s: no rows, expected duration,L11,L12,L21,L22,dT", t->path);
+	return STATUS_OK;
 }
 
 int rve_path_read(struct rve_path *path, const char *file)
 {
 	struct csv_table *t;
 	*path = (struct rve_path){0};
-	CHECK(csv_read(&t, file, "duration,L11,L12,L21,L22,dT"));
+	CHECK(csv_read(&t, file, NULL));
 	int status = check_path(t);
+	if (status == STATUS_OK && !(path->rows = calloc((size_t)(unsigned)t->rows, sizeof *path->rows)))
+		status = error_set(STATUS_RESOURCE, "no memory for the path %s", file);
 	if (status == STATUS_OK) {
 		path->n = t->rows;
-		path->rows = (double(*)[6])t->values;
-		t->values = NULL;
+		path->bonded = t->columns == PATH_COLUMNS;
+		for (int k = 0; k < t->rows; k++)
+			memcpy(path->rows[k], t->values + t->columns * k, (size_t)t->columns * sizeof *t->values);
 	}
 	csv_table_free(t);
 	return status;
@@ -83,10 +91,12 @@ struct driver {
 	struct rve_model *model;
 	void *state;
 	double strain_per_step, dt; /* s, macroscopic duration of one sub-step at the rate R */
+	double T;                   /* K, absolute, after the last call */
 	double stress[4], conductivity[3], modulus;
 	double integral[3]; /* of the servo's relative errors: xx, yy, xy */
 	double F0[4];       /* inverse of F at the first row */
 	int reached;        /* iso: P has been reached */
+	int bonded;         /* the parameters have bonds */
 	rve_row_function *row;
 	void *context;
 	struct rve_drive_report *report;
@@ -100,6 +110,7 @@ static int advance(struct driver *d, const double L[4], double dT, double dt)
 		.states = d->state,
 		.L = (const double(*)[4])L,
 		.dT = &dT,
+		.T = &d->T,
 		.dt = dt,
 		.stress = &d->stress,
 		.heat = &heat,
@@ -285,7 +296,10 @@ static int run_path(struct driver *d)
 	int rows = d->drive->rows == 0 || d->drive->rows > path->n ? path->n : d->drive->rows;
 	for (int k = 0, r = 1; k < path->n; k++) {
 		const double *row = path->rows[k];
-		CHECK(advance(d, row + 1, row[5], row[0]));
+		d->T = row[PATH_T];
+		CHECK(advance(d, row + PATH_L, row[PATH_DT], row[PATH_DURATION]));
+		if (row[PATH_BONDS] != 0.0)
+			rve_install_bonds(d->model, d->state);
 		if (k + 1 < (int)((double)path->n * r / rows + 0.5))
 			continue;
 		CHECK(give_row(d));
@@ -299,24 +313,39 @@ static int heat(struct driver *d)
 {
 	static const double rest[4];
 	const int steps = 1000;
-	for (int k = 0; k < steps && d->drive->temperature != 0.0; k++)
+	for (int k = 0; k < steps; k++) {
+		d->T = d->drive->start_temperature + d->drive->temperature * (k + 1) / steps;
 		CHECK(advance(d, rest, d->drive->temperature / steps, d->dt));
+	}
+	return STATUS_OK;
+}
+
+/* Brings the RVE to where its load begins. */
+static int prepare(struct driver *d)
+{
+	int biaxial = d->drive->load == RVE_LOAD_BIAXIAL, warms = d->drive->temperature != 0.0;
+	d->T = d->drive->start_temperature;
+	if (d->bonded && biaxial)
+		CHECK(consolidate(d));
+	if (d->bonded)
+		rve_install_bonds(d->model, d->state);
+	if (warms)
+		CHECK(heat(d));
+	if (biaxial && (warms || !d->bonded))
+		CHECK(consolidate(d));
 	return STATUS_OK;
 }
 
 static int run(struct driver *d)
 {
 	struct rve_info info;
-	enum rve_load load = d->drive->load;
 	rve_evaluate(d->model, d->state, d->stress, d->conductivity, &d->modulus);
 	mat2_identity(d->F0);
-	if (load == RVE_LOAD_PATH) {
+	if (d->drive->load == RVE_LOAD_PATH) {
 		CHECK(give_row(d));
 		return run_path(d);
 	}
-	CHECK(heat(d));
-	if (load == RVE_LOAD_BIAXIAL)
-		CHECK(consolidate(d));
+	CHECK(prepare(d));
 	rve_reset_ledger(d->model, d->state);
 	rve_get_info(d->model, d->state, &info);
 	mat2_inverse(info.F, d->F0);
@@ -346,6 +375,7 @@ int rve_drive(const struct rve_packing *packing, const struct rve_params *params
 {
 	struct rve_params p = *params;
 	struct driver d = {.drive = drive, .row = row, .context = context, .report = report};
+	d.bonded = params->bond_strength > 0.0;
 	*report = (struct rve_drive_report){0};
 	if (drive->load != RVE_LOAD_PATH)
 		CHECK(set_stepping(&d, packing, &p));

@@ -12,16 +12,20 @@ enum rve_load {
 	RVE_LOAD_BIAXIAL,   /* y is shortened at R, a servo holds sigma_xx at -P (the shortening waits for it), L_xy = 0 */
 	RVE_LOAD_SHEAR,     /* L_12 = R at constant volume */
 	RVE_LOAD_ISO,       /* a servo (no faster than R) brings and holds sigma at -P I */
-	RVE_LOAD_PATH       /* rows of duration, L11, L12, L21, L22, dT */
+	RVE_LOAD_PATH       /* rows of duration, L11, L12, L21, L22, dT, and where there are bonds T and `bonds` */
 };
 
 /* "isochoric" ... -> enum rve_load, or -1. */
 int rve_load_find(const char *name);
 
+enum { PATH_DURATION, PATH_L, PATH_DT = PATH_L + 4, PATH_T, PATH_BONDS, PATH_COLUMNS };
+
 /* A recorded path, one entry for each call of rve_advance() in the run. */
 struct rve_path {
 	int n;
-	double (*rows)[6]; /* duration (s), L11, L12, L21, L22 (1/s), dT (K) */
+	int bonded; /* it has the last two columns */
+	/* duration (s), L11, L12, L21, L22 (1/s), dT (K); T (K, absolute, after the call), bonds (1: installed then) */
+	double (*rows)[PATH_COLUMNS];
 };
 
 int rve_path_read(struct rve_path *path, const char *file);
@@ -29,12 +33,13 @@ void rve_path_free(struct rve_path *path);
 
 struct rve_drive {
 	enum rve_load load;
-	double rate;            /* R, 1/s */
-	double strain;          /* R times the duration of the load */
-	double pressure;        /* P of biaxial and iso, Pa */
-	double temperature;     /* K, reached before the first row */
-	double strain_per_step; /* S: the strain of a sub-step is min(R dt_DEM, S); not for a path */
-	int rows;               /* after the first; 0 = every row of a path */
+	double rate;              /* R, 1/s */
+	double strain;            /* R times the duration of the load */
+	double pressure;          /* P of biaxial and iso, Pa */
+	double temperature;       /* K, reached before the first row */
+	double start_temperature; /* K, absolute, of the packing: what bonds melt by; a path says it itself */
+	double strain_per_step;   /* S: the strain of a sub-step is min(R dt_DEM, S); not for a path */
+	int rows;                 /* after the first; 0 = every row of a path */
 	const struct rve_path *path;
 	const volatile int *stop; /* not NULL: STATUS_INTERRUPTED soon after it becomes non-zero */
 };
@@ -74,7 +79,9 @@ struct rve_drive_report {
 };
 
 /* Drives one RVE that starts as `packing`.  The first row is the state in which the load begins: after heating
- * and, for biaxial, after consolidation to P; ledgers and strain count from there (of a path: from birth).
+ * and, for biaxial, after consolidation to P; ledgers and strain count from there (of a path: from birth).  Bonds, if
+ * the parameters have any, are installed after the consolidation, before the heating (and a second consolidation); on a
+ * path where its rows say so.
  * STATUS_GUARD when the RVE leaves its domain of validity, or the consolidation takes a strain of more than 0.5;
  * the rows until then have been given. */
 int rve_drive(const struct rve_packing *packing, const struct rve_params *params, const struct rve_drive *drive,

@@ -1,5 +1,6 @@
 #include "rve/from_scene.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -24,6 +25,10 @@ void rve_params_from_scene(struct rve_params *params, const struct scene_law_rve
 	params->gas_pressure = law->gas_pressure;
 	params->gas_stretch = law->gas_stretch;
 	params->overlap_max = law->overlap_max;
+	params->bond_strength = law->bonds.strength;
+	params->bond_mu = law->bonds.mu;
+	params->bond_melting = law->bonds.melting;
+	params->bond_reference = law->bonds.linear ? law->bonds.reference : NAN;
 }
 
 int rve_packing_from_scene(struct rve_packing **packing, const struct scene_law_rve *law, int variant)

@@ -33,9 +33,15 @@ static void inspect_disc(const struct rve_model *model, const unsigned char *sta
 	disc->contacts = 0;
 }
 
-/* Fills a contact between the discs of slot p and the row that owns it; 0 if they do not touch. */
-static int inspect_contact(const struct rve_model *model, const unsigned char *state, int i, int p,
-						   struct rve_contact *contact)
+/* How near an intact bond is to breaking below T_c. */
+static double bond_load(const struct rve_model *model, double normal, double tangential, double radii)
+{
+	double bears = model->constants.bond_force * radii;
+	return fmin(1.0, fmax(-normal / bears, fabs(tangential) / (model->constants.bond_mu * bears)));
+}
+
+int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, int i, int p,
+					 struct rve_contact *contact)
 {
 	const struct rve_layout *layout = &model->layout;
 	const struct rve_head *head = (const struct rve_head *)state;
@@ -55,9 +61,11 @@ static int inspect_contact(const struct rve_model *model, const unsigned char *s
 	double kx = -rint(sx), ky = -rint(sy);
 	double bx = H[0] * (sx + kx) + H[1] * (sy + ky), by = H[2] * (sx + kx) + H[3] * (sy + ky);
 	double overlap = a.radius + b.radius - sqrt(bx * bx + by * by);
-	if (!(overlap > 0.0))
+	int bond = head->bonds_installed > 0 ? state[layout->flag + p] : BOND_NONE;
+	if (!(overlap > 0.0) && bond != BOND_INTACT)
 		return 0;
-	double normal = fmax(0.0, model->params.kn * overlap + (double)((const real32 *)(state + layout->fd))[p]);
+	double normal = model->params.kn * overlap + (double)((const real32 *)(state + layout->fd))[p];
+	normal = bond == BOND_INTACT ? normal : fmax(0.0, normal);
 	double tangential = ((const real *)(state + layout->ft))[p], cap = model->params.mu * normal;
 	contact->i = id[i];
 	contact->j = id[j];
@@ -67,10 +75,15 @@ static int inspect_contact(const struct rve_model *model, const unsigned char *s
 	contact->ends[1][0] = a.x + bx, contact->ends[1][1] = a.y + by;
 	contact->normal_force = normal;
 	contact->tangential_force = tangential;
+	contact->bond = bond;
+	if (bond == BOND_INTACT) {
+		contact->mobilisation = bond_load(model, model->params.kn * overlap, tangential, a.radius + b.radius);
+		contact->sliding = 0;
+		return 1;
+	}
 	contact->mobilisation = cap > 0.0 ? fmin(1.0, fabs(tangential) / cap) : 0.0;
 	contact->sliding =
 		cap > 0.0 && fabs(tangential) >= cap * (1.0 - 1e-6); /* the dashpot's part is kept in single precision */
-	contact->bond = 0;
 	return 1;
 }
 
@@ -86,7 +99,7 @@ int rve_inspect(const struct rve_model *model, const void *state, struct rve_dis
 	for (int level = 0; level < head->levels; level++)
 		for (int row = 0; row < head->level_rows[level]; row++) {
 			struct rve_contact contact;
-			if (!inspect_contact(model, bytes, row, head->level_first[level] + row, &contact))
+			if (!rve_inspect_slot(model, bytes, row, head->level_first[level] + row, &contact))
 				continue;
 			if (discs) {
 				discs[contact.i].contacts++;

@@ -11,6 +11,8 @@
  *   stress         sigma = -(1/V) sym(sum f b + sum m v v),     eqs. 31 and 33
  *   conductivity   k = 1/(kappa V) sum l l / |l|,               eq. 34
  *   elasticity     D = (1/V) sum (kn n l n l + ks t l t l),     eq. 58
+ *   bond           f_n = kn delta - c du_n of either sign, f_t <- f_t - ks du_t, until -kn delta > F or
+ *                  |f_t| > mu_b F with F = beta(T) kn R,        eqs. 38 to 40
  *
  * The force on j is f_n n + f_t t with n from i to j and t = n turned by +90 degrees.  A sub-step moves the
  * cell and the discs, finds the forces there, and kicks: a state holds positions at a time and velocities
@@ -26,6 +28,7 @@ enum {
 	LANE_EXPANSION,
 	LANE_FRICTION,
 	LANE_DASHPOT,
+	LANE_BOND,
 	LANE_KINETIC_WORK,
 	/* of the last configuration */
 	LANE_CALL_FIELDS,
@@ -43,6 +46,7 @@ enum {
 	LANE_OVERLAP_FORCE,
 	LANE_ELASTIC,
 	LANE_CONTACTS,
+	LANE_BONDS,
 	LANE_SLIDING,
 	LANE_FORCE,
 	LANE_VXX,
@@ -74,7 +78,7 @@ enum {
 	WORK_DT_INERTIA,
 	WORK_ROW_FIELDS
 };
-enum { WORK_FT, WORK_PX, WORK_PY, WORK_TJ, WORK_PAIR_FIELDS };
+enum { WORK_FT, WORK_PX, WORK_PY, WORK_TJ, WORK_BOND, WORK_PAIR_FIELDS }; /* WORK_BOND: of a cell with bonds only */
 enum { WORK_J, WORK_J_OLD, WORK_PAIR_INDICES };
 enum {
 	WORK_ID,
@@ -92,6 +96,8 @@ struct rve_block {
 	struct rve_head head;
 	real H_inv[4];
 	real scale, scale_step; /* radius / reference radius, its increase in one sub-step */
+	real bond_temperature;  /* K, absolute */
+	real bond_force;        /* N/m: what a bond bears now / (r_i + r_j) */
 	int grid[2], status;
 	int levels_old;
 	index16 level_rows_old[RVE_LEVELS_MAX], level_first_old[RVE_LEVELS_MAX];
@@ -127,6 +133,7 @@ struct rve_place {
 #define STATE_FLAG (at->state + at->layout->flag)
 #define STATE_ENTRY(level) ((GLOBAL index16 *)(at->state + at->layout->entry) + (level)*at->layout->stride)
 
+#include "rve/kernel_bonds.h"
 #include "rve/kernel_cell.h"
 #include "rve/kernel_neighbours.h"
 #include "rve/kernel_step.h"
@@ -140,6 +147,8 @@ BLOCKFN void state_load(const struct rve_place *at)
 		block->status = KERNEL_OK;
 		block->scale = 1.0 + at->constants->expansion * block->head.temperature;
 		block->scale_step = at->constants->expansion * at->call->heating;
+		block->bond_temperature = at->call->temperature;
+		bonds_soften(at);
 		cell_invert(block->head.H, block->H_inv);
 	}
 	SYNC();
@@ -156,6 +165,7 @@ BLOCKFN void state_load(const struct rve_place *at)
 		WORK_PAIR(WORK_FT)[p] = STATE_FT[p];
 		WORK_PAIR_INDEX(WORK_J)[p] = STATE_J[p];
 	}
+	bonds_load(at);
 	for (int level = 0; level < block->head.entry_levels; level++) {
 		const int first = block->head.entry_first[level];
 		FOR_THREADS(i, at->layout->n - first) WORK_ENTRY(level)[first + i] = STATE_ENTRY(level)[first + i];
@@ -174,6 +184,7 @@ BLOCKFN void state_store(const struct rve_place *at)
 	FOR_THREADS(i, at->layout->n) STATE_DISC32(DISC32_ROTATION)[i] += (real32)WORK_ROW(WORK_ROTATION)[i];
 	const int slots = at->block->head.level_first[at->block->head.levels];
 	FOR_THREADS(p, slots) STATE_FT[p] = WORK_PAIR(WORK_FT)[p];
+	bonds_store(at);
 	ONE_THREAD *(GLOBAL struct rve_head *)at->state = at->block->head;
 	SYNC();
 }
@@ -201,22 +212,23 @@ KERNEL(rve_kernel)
 	SHARED struct rve_block *block = place.block;
 
 	state_load(at);
+	const int bonded = block->head.bonds_intact > 0; /* those that have all lost theirs are as if they had had none */
 	if (call->rebuild)
 		neighbours_build(at);
 	for (int k = 0; k < call->sub_steps && block->status == KERNEL_OK; k++) {
 		move(at);
-		if (!neighbours_valid(at))
+		if (!neighbours_valid(at)) {
+			if (bonded)
+				bonds_tear(at);
 			neighbours_build(at);
+		}
 		if (block->status != KERNEL_OK)
 			break;
-		if (k + 1 < call->sub_steps)
-			contacts_sub_step(at);
-		else
-			contacts_last(at);
+		contacts(at, k + 1 == call->sub_steps, bonded);
 		kick(at);
 	}
 	if (block->status == KERNEL_OK && call->sub_steps == 0)
-		contacts_last(at);
+		contacts(at, 1, bonded);
 	if (block->status == KERNEL_OK) {
 		homogenise(at);
 		state_store(at);

@@ -162,14 +162,16 @@ BLOCKFN void history_keep(const struct rve_place *at)
 	const int slots = block->head.level_first[block->head.levels];
 	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *pair_j = WORK_PAIR_INDEX(WORK_J);
 	LOCAL int *old_row = WORK_ID_INDEX(ID_ROW_OLD), *old_j = WORK_PAIR_INDEX(WORK_J_OLD);
-	LOCAL real *old_ft = WORK_PAIR(WORK_PX), *old_fd = WORK_PAIR(WORK_PY), *old_flag = WORK_PAIR(WORK_TJ);
+	LOCAL real *old_ft = WORK_PAIR(WORK_PX), *old_fd = WORK_PAIR(WORK_PY), *old_bond = WORK_PAIR(WORK_TJ);
+	LOCAL const real *bond = WORK_PAIR(WORK_BOND);
 	FOR_THREADS(p, slots)
 	{
 		old_j[p] = id[pair_j[p]];
 		old_ft[p] = WORK_PAIR(WORK_FT)[p];
 		old_fd[p] = (real)STATE_FD[p];
-		old_flag[p] = (real)STATE_FLAG[p];
 	}
+	if (block->head.bonds_installed > 0)
+		FOR_THREADS(p, slots) old_bond[p] = bond[p];
 	FOR_THREADS(i, at->layout->n) old_row[id[i]] = i;
 	ONE_THREAD
 	{
@@ -283,6 +285,7 @@ BLOCKFN void pairs_write(const struct rve_place *at, int level)
 	const int first = block->head.level_first[level], rows = block->head.level_rows[level];
 	const int padded = block->head.level_first[level + 1] - first;
 	const real factor = at->constants->damping;
+	const int bonded = block->head.bonds_installed > 0;
 	FOR_THREADS(i, padded)
 	{
 		const int p = first + i, owner = i < rows ? id[i] : 0;
@@ -295,7 +298,8 @@ BLOCKFN void pairs_write(const struct rve_place *at, int level)
 		STATE_J[p] = (index16)row;
 		WORK_PAIR(WORK_FT)[p] = known >= 0 ? WORK_PAIR(WORK_PX)[known] : 0.0;
 		STATE_FD[p] = known >= 0 ? (real32)WORK_PAIR(WORK_PY)[known] : 0.0f;
-		STATE_FLAG[p] = known >= 0 ? (unsigned char)WORK_PAIR(WORK_TJ)[known] : 0;
+		if (bonded)
+			WORK_PAIR(WORK_BOND)[p] = known >= 0 ? WORK_PAIR(WORK_TJ)[known] : BOND_NONE;
 	}
 	SYNC();
 	LOCAL const int *pair_j = WORK_PAIR_INDEX(WORK_J) + first;

@@ -19,6 +19,8 @@ BLOCKFN void move(const struct rve_place *at)
 		cell_invert(H, block->H_inv);
 		block->head.temperature += call->heating;
 		block->scale = 1.0 + at->constants->expansion * block->head.temperature;
+		block->bond_temperature += call->heating;
+		bonds_soften(at);
 	}
 	FOR_THREADS(lane, LANES) { block->lanes[LANE_DISPLACEMENT][lane] = 0.0, block->lanes[LANE_SECOND][lane] = 0.0; }
 	SYNC();
@@ -53,18 +55,27 @@ BLOCKFN void move(const struct rve_place *at)
 	SYNC();
 }
 
+/* What contacts_of_level() does about bonds. */
+enum { BONDS_ABSENT, BONDS_PRESENT, BONDS_TEAR };
+
 /* Forces of the pairs of one level: added up for i, left in the pair's slot for j.  `last`: also everything that the
- * homogenisation needs. */
-BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, const int last)
+ * homogenisation needs.  BONDS_TEAR: instead of all that, bonds of discs that have parted too far are broken.
+ *
+ * An intact bond is the contact's spring, dashpot and tangential spring without their limits: in both directions, so
+ * that what its dashpot takes is the same expression as a contact's.  What is stored in a bond when it breaks, less
+ * what the contact that is left still stores, is released: the work of the sub-step's mean forces and the change of the
+ * stored energy say how much, 1/2 kn delta_old delta of the normal spring where it pulled. */
+BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, const int last, const int bonds)
 {
 	SHARED struct rve_block *block = at->block;
 	const struct rve_constants *constants = at->constants;
 	const real kn = constants->kn, ks = constants->ks, mu = constants->mu, dt = constants->dt;
-	const real half_compliance = 0.5 / ks;
+	const real half_compliance = 0.5 / ks, half_softness = 0.5 / kn;
+	const real bond_force = block->bond_force, bond_mu = constants->bond_mu;
 	const real scale = block->scale;
 	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
 	const real still = at->call->sub_steps > 0 ? 1.0 : 0.0; /* 0: measured without motion */
-	const real step = dt * still;
+	const real step = dt * still, growth = block->scale_step * still;
 	const real dxx = at->call->D[0] * still, dyy = at->call->D[1] * still, dxy = at->call->D[2] * still;
 	const int first = block->head.level_first[level], rows = block->head.level_first[level + 1] - first;
 	LOCAL const int *pair_j = WORK_PAIR_INDEX(WORK_J) + first;
@@ -74,7 +85,7 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 	LOCAL real *force_x = WORK_ROW(WORK_FX), *force_y = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
 	GLOBAL const real32 *damping = STATE_DAMPING + first;
 	GLOBAL real32 *dashpot_force = STATE_FD + first;
-	LOCAL real *tangential = WORK_PAIR(WORK_FT) + first;
+	LOCAL real *tangential = WORK_PAIR(WORK_FT) + first, *bond = WORK_PAIR(WORK_BOND) + first;
 	LOCAL real *slot_x = WORK_PAIR(WORK_PX) + first, *slot_y = WORK_PAIR(WORK_PY) + first,
 			   *slot_t = WORK_PAIR(WORK_TJ) + first;
 	SHARED real(*sum)[LANES] = block->lanes;
@@ -103,10 +114,35 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 			real spring = kn * real_max(overlap, 0.0);
 			real pushed = real_max(spring - (real)damping[i] * un, 0.0);
 			real fn = overlap > 0.0 ? pushed : 0.0;
-			real fd = fn - spring, fd_old = (real)dashpot_force[i];
 			/* tangential force: spring up to the Coulomb limit; the rest of the displacement slips */
 			real cap = mu * fn, ft_old = tangential[i], trial = ft_old - ks * ut;
-			real ft = real_max(real_min(trial, cap), -cap);
+			int holds = 0, breaks = 0;
+			real released = 0.0;
+			if (bonds) {
+				real bears = bond_force * (radius[i] + radius[j]), shear = trial < 0.0 ? -trial : trial;
+				real force = kn * overlap, force_old = kn * (overlap + un - growth * (radius[i] + radius[j]));
+				int was = bond[i] == BOND_INTACT;
+				holds = was & (-force <= bears) & (shear <= bond_mu * bears);
+				breaks = was & !holds;
+				released = overlap < 0.0 ? half_softness * force_old * force : 0.0;
+				fn = holds ? force - (real)damping[i] * un : fn;
+				spring = holds ? force : spring;
+				cap = holds ? BOND_UNBREAKABLE : cap;
+			}
+			if (bonds == BONDS_TEAR) {
+				int torn = breaks & (overlap < 0.0);
+				sum[LANE_BOND][lane] += torn ? released + half_compliance * ft_old * trial : 0.0;
+				tangential[i] = torn ? 0.0 : ft_old;
+				bond[i] = torn ? BOND_BROKEN : bond[i];
+				continue;
+			}
+			real fd = fn - spring, fd_old = (real)dashpot_force[i];
+			real ft = real_max(real_min(trial, cap), -cap), slip = (ft_old + ft) * (trial - ft);
+			if (bonds) {
+				bond[i] = breaks ? BOND_BROKEN : bond[i];
+				sum[LANE_BOND][lane] += breaks ? released + half_compliance * slip : 0.0;
+				slip = breaks ? 0.0 : slip;
+			}
 			real fx = fn * nx - ft * ny, fy = fn * ny + ft * nx;
 			tangential[i] = ft;
 			dashpot_force[i] = (real32)fd;
@@ -118,10 +154,14 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 			slot_t[i] = aj * ft;
 			sum[LANE_WORK][lane] -= fx * ex + fy * ey;
 			sum[LANE_EXPANSION][lane] += spring * (radius[i] + radius[j]);
-			sum[LANE_FRICTION][lane] += (ft_old + ft) * (trial - ft);
+			sum[LANE_FRICTION][lane] += slip;
 			sum[LANE_DASHPOT][lane] -= (fd_old + fd) * un;
 			if (last) {
-				real touching = overlap > 0.0 ? 1.0 : 0.0;
+				real touching = (overlap > 0.0) | holds ? 1.0 : 0.0, pressed = fn;
+				if (bonds) {
+					pressed = fn < 0.0 ? -fn : fn;
+					sum[LANE_BONDS][lane] += holds ? 1.0 : 0.0;
+				}
 				real l = touching * length, ll = l * length;
 				real xx = nx * nx, yy = ny * ny, xy = nx * ny;
 				real ft_size = ft < 0.0 ? -ft : ft;
@@ -140,7 +180,7 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 				sum[LANE_ELASTIC][lane] += 0.5 * spring * overlap + half_compliance * ft * ft;
 				sum[LANE_CONTACTS][lane] += touching;
 				sum[LANE_SLIDING][lane] += (fn > 0.0 ? 1.0 : 0.0) * (ft_size >= cap ? 1.0 : 0.0);
-				sum[LANE_FORCE][lane] += fn;
+				sum[LANE_FORCE][lane] += pressed;
 				sum[LANE_OVERLAP][lane] = real_max(touching * overlap / real_min(ri, rj), sum[LANE_OVERLAP][lane]);
 			}
 		}
@@ -149,14 +189,14 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 }
 
 /* Forces and torques of all discs. */
-BLOCKFN void contacts(const struct rve_place *at, const int last)
+BLOCKFN void contacts_of_kind(const struct rve_place *at, const int last, const int bonds)
 {
 	SHARED const struct rve_head *head = &at->block->head;
 	LOCAL real *fx = WORK_ROW(WORK_FX), *fy = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
 	FOR_THREADS(i, at->layout->stride) { fx[i] = 0.0, fy[i] = 0.0, torque[i] = 0.0; }
 	SYNC();
 	for (int level = 0; level < head->levels; level++)
-		contacts_of_level(at, level, last);
+		contacts_of_level(at, level, last, bonds);
 	LOCAL const real *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY), *slot_t = WORK_PAIR(WORK_TJ);
 	for (int level = 0; level < head->entry_levels; level++) {
 		const int first = head->entry_first[level];
@@ -172,8 +212,25 @@ BLOCKFN void contacts(const struct rve_place *at, const int last)
 	}
 }
 
-BLOCKFN void contacts_sub_step(const struct rve_place *at) { contacts(at, 0); }
-BLOCKFN void contacts_last(const struct rve_place *at) { contacts(at, 1); }
+/* The same, compiled once for each kind. */
+BLOCKFN void contacts(const struct rve_place *at, const int last, const int bonded)
+{
+	if (bonded && last)
+		contacts_of_kind(at, 1, BONDS_PRESENT);
+	else if (bonded)
+		contacts_of_kind(at, 0, BONDS_PRESENT);
+	else if (last)
+		contacts_of_kind(at, 1, BONDS_ABSENT);
+	else
+		contacts_of_kind(at, 0, BONDS_ABSENT);
+}
+
+/* Breaks the bonds that the motion of this sub-step has parted too far, while the old list still has them. */
+BLOCKFN void bonds_tear(const struct rve_place *at)
+{
+	for (int level = 0; level < at->block->head.levels; level++)
+		contacts_of_level(at, level, 0, BONDS_TEAR);
+}
 
 BLOCKFN void kick(const struct rve_place *at)
 {
@@ -266,6 +323,7 @@ BLOCKFN void homogenise(const struct rve_place *at)
 			head->ledger[LEDGER_EXPANSION] += grown * block->scale_step;
 			head->ledger[LEDGER_FRICTION] += 0.5 / c->ks * total[LANE_FRICTION];
 			head->ledger[LEDGER_DASHPOT] += 0.5 * total[LANE_DASHPOT];
+			head->ledger[LEDGER_BOND] += total[LANE_BOND];
 		}
 		head->ledger[LEDGER_ELASTIC] = total[LANE_ELASTIC];
 		head->ledger[LEDGER_KINETIC] = total[LANE_KINETIC];
@@ -294,6 +352,7 @@ BLOCKFN void homogenise(const struct rve_place *at)
 		head->unbalanced = total[LANE_FORCE] > 0.0
 							   ? total[LANE_UNBALANCED] / at->layout->n * total[LANE_CONTACTS] / total[LANE_FORCE]
 							   : 0.0;
+		head->bonds_intact = (int)total[LANE_BONDS];
 		head->total_sub_steps += at->call->sub_steps;
 		head->sub_steps = at->call->sub_steps;
 	}

@@ -36,9 +36,24 @@ const char *rve_isa(void);
 /* Scratch memory of a thread. */
 unsigned char *rve_scratch(const struct rve_model *model, int thread);
 
-/* sub_steps of dt_DEM in which L acts for `duration` seconds in all, and the temperature rises by dT; sub_steps = 0
- * measures the state.  `rebuild`: the neighbour list is not valid. */
+/* What happens to an RVE in one call. */
+struct rve_motion {
+	double L[4];     /* 1/s, acts for `duration` */
+	double dT;       /* K, by which the temperature rises */
+	double T;        /* K, absolute, at the end */
+	double duration; /* s */
+};
+
+/* sub_steps of dt_DEM that share the motion; sub_steps = 0 measures the state.  `rebuild`: the neighbour list is not
+ * valid. */
 enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,
-									 const double L[4], double dT, double duration, int sub_steps, int rebuild);
+									 const struct rve_motion *motion, int sub_steps, int rebuild);
+
+/* Fills a contact between the discs of slot p and the row that owns it; 0 if they neither touch nor are bonded. */
+int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, int row, int p,
+					 struct rve_contact *contact);
+
+/* For a state that the kernel does not advance: breaks its bonds if they melt at T (K, absolute). */
+void rve_melt_bonds(const struct rve_model *model, void *state, double T);
 
 #endif

@@ -138,9 +138,10 @@ static int compress(const struct rve_model *model, unsigned char *state, double 
 		rve_evaluate(model, state, stress, conductivity, &modulus);
 		double xx = (-pressure - stress[0]) / pressure, yy = (-pressure - stress[1]) / pressure,
 			   xy = -stress[3] / pressure;
-		double L[4] = {slow * rate * servo(xx), slow * rate * servo(xy), 0.0, slow * rate * servo(yy)};
-		L[2] = L[1];
-		if (rve_sub_steps(model, state, scratch, L, 0.0, turn * dt, turn, 0) != KERNEL_OK)
+		double shear = slow * rate * servo(xy);
+		const struct rve_motion motion = {.L = {slow * rate * servo(xx), shear, shear, slow * rate * servo(yy)},
+										  .duration = turn * dt};
+		if (rve_sub_steps(model, state, scratch, &motion, turn, 0) != KERNEL_OK)
 			return error_set(STATUS_GUARD, "the packing collapsed during its compression");
 		rve_get_info(model, state, &info);
 		if (fabs(xx) < stress_tolerance && fabs(yy) < stress_tolerance && fabs(xy) < stress_tolerance &&

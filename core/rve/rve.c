@@ -12,6 +12,7 @@
 #include "rve/model.h"
 
 static const double pi = 3.14159265358979323846;
+static const struct rve_motion rest; /* for measuring */
 
 void rve_params_default(struct rve_params *params)
 {
@@ -31,6 +32,10 @@ void rve_params_default(struct rve_params *params)
 								  .gas = 1,
 								  .gas_pressure = 20.0,
 								  .gas_stretch = 1.12,
+								  .bond_strength = 0.0,
+								  .bond_mu = 0.5,
+								  .bond_melting = INFINITY,
+								  .bond_reference = NAN,
 								  .overlap_max = 0.5};
 }
 
@@ -132,7 +137,7 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	const struct rve_layout *layout = &model->layout;
 	struct rve_variant *variant = &model->variants[number];
 	struct rve_head *head = head_of(variant->start);
-	double inverse[4], rest[4] = {0};
+	double inverse[4];
 	mat2_inverse(packing->H, inverse);
 	for (int k = 0; k < 4; k++)
 		head->H[k] = head->H_ref[k] = packing->H[k];
@@ -147,7 +152,7 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	for (int i = layout->n; i < layout->stride; i++)
 		((index16 *)(variant->start + layout->id))[i] = (index16)layout->n;
 	unsigned char *scratch = rve_scratch(model, 0);
-	int status = rve_sub_steps(model, variant->start, scratch, rest, 0.0, 0.0, 0, 1);
+	int status = rve_sub_steps(model, variant->start, scratch, &rest, 0, 1);
 	if (status == KERNEL_SLENDER)
 		return error_set(STATUS_INPUT,
 						 "the packing's cell is narrower than twice a disc's reach (%g m): more discs, "
@@ -156,7 +161,7 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	if (status != KERNEL_OK)
 		return error_set(STATUS_INPUT, "the packing's discs overlap too much to be neighbours");
 	variant_forces(layout, variant, packing);
-	rve_sub_steps(model, variant->start, scratch, rest, 0.0, 0.0, 0, 0);
+	rve_sub_steps(model, variant->start, scratch, &rest, 0, 0);
 	head->ledger[LEDGER_WORK] = head->ledger[LEDGER_ELASTIC] + head->ledger[LEDGER_KINETIC];
 	head->rebuilds = 0;
 	return STATUS_OK;
@@ -176,20 +181,31 @@ static int model_fill(struct rve_model *model, const struct rve_params *params, 
 			r_sum += packings[v]->r[i];
 		}
 	}
+	if (!(params->bond_strength < params->skin))
+		return error_set(
+			STATUS_INPUT,
+			"bonds of strength %g: expected less than the skin of %g, so that bonded discs stay neighbours",
+			params->bond_strength, params->skin);
 	int discs = packings[0]->n_discs;
 	double mass_min = params->grain_density * params->thickness * pi * r_min * r_min;
 	double dt = params->step_factor * sqrt(mass_min / params->kn);
+	int softening = isfinite(params->bond_melting) && isfinite(params->bond_reference);
 	model->diameter = 2.0 * r_sum / ((double)n * discs);
-	model->constants = (struct rve_constants){.kn = params->kn,
-											  .ks = params->ks,
-											  .mu = params->mu,
-											  .expansion = params->expansion,
-											  .resistance = params->resistance,
-											  .thickness = params->thickness,
-											  .dt = dt,
-											  .r_max = r_max,
-											  .skin = params->skin * r_max,
-											  .damping = 2.0 * params->damping_ratio * sqrt(params->kn) / dt};
+	model->constants =
+		(struct rve_constants){.kn = params->kn,
+							   .ks = params->ks,
+							   .mu = params->mu,
+							   .expansion = params->expansion,
+							   .resistance = params->resistance,
+							   .thickness = params->thickness,
+							   .dt = dt,
+							   .r_max = r_max,
+							   .skin = params->skin * r_max,
+							   .damping = 2.0 * params->damping_ratio * sqrt(params->kn) / dt,
+							   .bond_force = 0.5 * params->bond_strength * params->kn,
+							   .bond_mu = params->bond_mu,
+							   .bond_melting = params->bond_melting,
+							   .bond_slope = softening ? 1.0 / (params->bond_melting - params->bond_reference) : 0.0};
 	CHECK(layout_make(&model->layout, discs, params->skin, r_min, r_max));
 	model->scratch_stride = (size_t)(model->layout.scratch + model->layout.bytes);
 	model->scratch = aligned_alloc(64, model->scratch_stride * (size_t)model->n_threads);
@@ -261,17 +277,18 @@ int rve_init(const struct rve_model *model, int variant, void *state)
 /* ---- one RVE through one call ---- */
 
 enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,
-									 const double L[4], double dT, double duration, int sub_steps, int rebuild)
+									 const struct rve_motion *motion, int sub_steps, int rebuild)
 {
-	struct rve_call call = {.sub_steps = sub_steps, .rebuild = rebuild};
-	double h = sub_steps > 0 ? duration / sub_steps : 0.0;
+	struct rve_call call = {.sub_steps = sub_steps, .rebuild = rebuild, .temperature = motion->T - motion->dT};
+	const double *L = motion->L;
+	double h = sub_steps > 0 ? motion->duration / sub_steps : 0.0;
 	double spin = 0.5 * (L[1] - L[2]) * h;
 	double increment[4] = {L[0] * h, L[1] * h, L[2] * h, L[3] * h}, rotation[4] = {0.0, spin, -spin, 0.0};
 	mat2_exp(increment, call.A);
 	mat2_exp(rotation, call.B);
 	call.D[0] = L[0] * h, call.D[1] = L[3] * h, call.D[2] = 0.5 * (L[1] + L[2]) * h;
 	call.B[0] -= call.D[0], call.B[1] -= call.D[2], call.B[2] -= call.D[2], call.B[3] -= call.D[1];
-	call.heating = sub_steps > 0 ? dT / sub_steps : 0.0;
+	call.heating = sub_steps > 0 ? motion->dT / sub_steps : 0.0;
 	int status = KERNEL_OK;
 	model->kernel(&model->layout, &model->constants, &call, model->variants[head_of(state)->variant].table, state,
 				  scratch, &status);
@@ -284,6 +301,13 @@ struct rve_outcome {
 };
 
 static double pressure_of(const struct rve_head *head) { return -0.5 * (head->stress[0] + head->stress[1]); }
+
+/* Does the cell carry nothing worth the name?  Where bonds pull, a pressure of zero or less does not say so. */
+static int stressless(const struct rve_model *model, const struct rve_head *head)
+{
+	double most = fmax(fmax(fabs(head->stress[0]), fabs(head->stress[1])), fabs(head->stress[3]));
+	return (head->bonds_intact > 0 ? most : pressure_of(head)) < model->params.gas_pressure;
+}
 
 static double stored_energy(const struct rve_head *head)
 {
@@ -347,19 +371,17 @@ static double gas_share(struct rve_head *head, double volumetric)
 
 static void gas_leave(const struct rve_model *model, void *state, unsigned char *scratch)
 {
-	static const double rest[4] = {0};
 	struct rve_head *head = head_of(state);
 	head->flags &= ~RVE_GAS;
 	head->gap = 0.0;
-	rve_sub_steps(model, state, scratch, rest, 0.0, 0.0, 0, 0);
+	rve_sub_steps(model, state, scratch, &rest, 0, 0);
 	head->ledger[LEDGER_DISCARDED] -= stored_energy(head);
 }
 
 /* A cell that can be deformed no further, or has been pulled apart, gives way to the start packing at the same volume.
- */
+ * Its bonds are gone with it. */
 static int reseed(const struct rve_model *model, void *state, unsigned char *scratch)
 {
-	static const double rest[4] = {0};
 	const struct rve_layout *layout = &model->layout;
 	struct rve_head kept = *head_of(state), *head = head_of(state);
 	memcpy(state, model->variants[kept.variant].start, (size_t)layout->bytes);
@@ -374,7 +396,8 @@ static int reseed(const struct rve_model *model, void *state, unsigned char *scr
 	memcpy(head->inertia, kept.inertia, sizeof head->inertia);
 	head->total_sub_steps = kept.total_sub_steps;
 	head->rebuilds = kept.rebuilds, head->clamped = kept.clamped, head->reseeded = kept.reseeded + 1;
-	int status = rve_sub_steps(model, state, scratch, rest, 0.0, 0.0, 0, 1);
+	head->bonds_installed = kept.bonds_installed;
+	int status = rve_sub_steps(model, state, scratch, &rest, 0, 1);
 	head->ledger[LEDGER_DISCARDED] += stored_energy(&kept) - stored_energy(head);
 	return status;
 }
@@ -389,9 +412,10 @@ static void rotate_tensor(double *xx, double *yy, double *xy, const double R[4])
 }
 
 /* A frozen cell only turns; what its stress works on the strain is discarded. */
-static void frozen_advance(const struct rve_model *model, void *state, const double L[4], double dT, double dt)
+static void frozen_advance(const struct rve_model *model, void *state, const struct rve_motion *motion)
 {
 	struct rve_head *head = head_of(state);
+	const double *L = motion->L, dt = motion->duration;
 	double spin = 0.5 * (L[1] - L[2]) * dt, rotation[4] = {0.0, spin, -spin, 0.0}, R[4];
 	mat2_exp(rotation, R);
 	mat2_multiply(R, head->H, head->H);
@@ -410,22 +434,22 @@ static void frozen_advance(const struct rve_model *model, void *state, const dou
 	head->ledger[LEDGER_WORK] += power * volume * dt;
 	head->ledger[LEDGER_DISCARDED] += power * volume * dt;
 	head->gap += (L[0] + L[3]) * dt;
-	head->temperature += dT;
+	head->temperature += motion->dT;
+	rve_melt_bonds(model, state, motion->T);
 	head->sub_steps = 0;
 }
 
 /* The cell cannot follow this call: a fresh one if it carries nothing, else it stays as it was before. */
-static int slender(const struct rve_model *model, void *state, unsigned char *scratch, const double L[4], double dT,
-				   double dt)
+static int slender(const struct rve_model *model, void *state, unsigned char *scratch, const struct rve_motion *motion)
 {
 	struct rve_head *head = head_of(state);
-	if (pressure_of(head) < model->params.gas_pressure && mat2_determinant(head->F) >= 1.0) {
-		head->temperature += dT;
+	if (stressless(model, head) && mat2_determinant(head->F) >= 1.0) {
+		head->temperature += motion->dT;
 		return reseed(model, state, scratch);
 	}
 	head->flags |= RVE_FROZEN;
 	head->gap = 0.0;
-	frozen_advance(model, state, L, dT, dt);
+	frozen_advance(model, state, motion);
 	return KERNEL_OK;
 }
 
@@ -458,18 +482,19 @@ static struct rve_outcome spoilt(struct rve_head *head)
 }
 
 static struct rve_outcome advance_one(const struct rve_model *model, void *state, unsigned char *scratch,
-									  const double L[4], double dT, double dt)
+									  struct rve_motion motion)
 {
 	struct rve_head *head = head_of(state);
+	const double *L = motion.L, dT = motion.dT, dt = motion.duration;
 	const double strain_most = 1.0; /* in one call: far beyond what any time step should bring */
-	double volumetric = (L[0] + L[3]) * dt, rate = principal_rate(L), duration = dt;
+	double volumetric = (L[0] + L[3]) * dt, rate = principal_rate(L);
 	double increment[4] = {L[0] * dt, L[1] * dt, L[2] * dt, L[3] * dt}, move[4];
-	if (!isfinite(rate * dt) || !isfinite(L[1] - L[2]) || !isfinite(dT))
+	if (!isfinite(rate * dt) || !isfinite(L[1] - L[2]) || !isfinite(dT) || !isfinite(motion.T))
 		return (struct rve_outcome){OUTCOME_RATE, rate};
 	mat2_exp(increment, move);
 	mat2_multiply(move, head->F, head->F);
 	if (head->flags & RVE_FROZEN) {
-		frozen_advance(model, state, L, dT, dt);
+		frozen_advance(model, state, &motion);
 		if (head->gap > log(model->params.gas_stretch) && reseed(model, state, scratch) != KERNEL_OK)
 			return spoilt(head);
 		return check_state(model, head);
@@ -478,30 +503,32 @@ static struct rve_outcome advance_one(const struct rve_model *model, void *state
 		double share = gas_share(head, volumetric);
 		if (share == 0.0) {
 			head->temperature += dT;
+			rve_melt_bonds(model, state, motion.T);
 			return (struct rve_outcome){OUTCOME_OK, 0.0};
 		}
-		duration = share * dt;
+		motion.duration = share * dt;
 		gas_leave(model, state, scratch);
 	}
 	/* radii that grow strain the contacts too */
-	double strain = fmax(rate * duration, fabs(model->params.expansion * dT));
+	double strain = fmax(rate * motion.duration, fabs(model->params.expansion * dT));
 	if (strain > strain_most)
 		return (struct rve_outcome){OUTCOME_STRAIN, strain};
 	int sub_steps = choose_sub_steps(&model->params, head, strain);
-	count_inertia(model, head, rate * duration / sub_steps);
+	count_inertia(model, head, rate * motion.duration / sub_steps);
 	unsigned char *kept = scratch + model->layout.scratch;
 	int keep = nearly_slender(model, head, strain);
 	if (keep)
 		memcpy(kept, state, (size_t)model->layout.bytes);
-	int status = rve_sub_steps(model, state, scratch, L, dT, duration, sub_steps, 0);
+	int status = rve_sub_steps(model, state, scratch, &motion, sub_steps, 0);
 	if (status == KERNEL_SLENDER && keep) {
 		memcpy(state, kept, (size_t)model->layout.bytes);
-		status = slender(model, state, scratch, L, dT, dt);
+		motion.duration = dt;
+		status = slender(model, state, scratch, &motion);
 	}
 	if (status != KERNEL_OK)
 		return spoilt(head);
 	double stretch = mat2_determinant(head->H) * model->params.thickness / model->variants[head->variant].volume;
-	if (model->params.gas && !(head->flags & RVE_FROZEN) && pressure_of(head) < model->params.gas_pressure &&
+	if (model->params.gas && !(head->flags & RVE_FROZEN) && stressless(model, head) &&
 		stretch > model->params.gas_stretch)
 		gas_enter(head);
 	return check_state(model, head);
@@ -542,6 +569,13 @@ static int report_failure(const struct rve_params *params, int k, struct rve_out
 	}
 }
 
+static struct rve_motion batch_motion(const struct rve_batch *batch, int k)
+{
+	const double *L = batch->L[k];
+	return (struct rve_motion){
+		.L = {L[0], L[1], L[2], L[3]}, .dT = batch->dT[k], .T = batch->T ? batch->T[k] : 0.0, .duration = batch->dt};
+}
+
 int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 {
 	struct rve_outcome worst = {OUTCOME_OK, 0.0};
@@ -554,7 +588,7 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 		const struct rve_head *head = head_of(state);
 		double friction = head->ledger[LEDGER_FRICTION];
 		struct rve_outcome outcome =
-			advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch->L[k], batch->dT[k], batch->dt);
+			advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch_motion(batch, k));
 		double volume = mat2_determinant(head->H) * model->params.thickness;
 		batch->heat[k] = batch->dt > 0.0 ? (head->ledger[LEDGER_FRICTION] - friction) / (volume * batch->dt) : 0.0;
 		memcpy(batch->stress[k], head->stress, sizeof head->stress);
@@ -598,6 +632,8 @@ void rve_get_info(const struct rve_model *model, const void *state, struct rve_i
 	info->void_ratio = info->volume / model->params.thickness / (variant->solid_area * scale * scale) - 1.0;
 	info->coordination = 2.0 * head->contacts / model->layout.n;
 	info->sliding_fraction = head->contacts > 0.0 ? head->sliding / head->contacts : 0.0;
+	info->bonds_installed = head->bonds_installed, info->bonds_intact = head->bonds_intact;
+	info->bond_fraction = head->bonds_installed > 0 ? (double)head->bonds_intact / head->bonds_installed : 0.0;
 	info->pressure = pressure_of(head);
 	info->max_overlap = head->max_overlap;
 	memcpy(info->elastic_tensor, head->tensor, sizeof info->elastic_tensor);

@@ -27,6 +27,10 @@ struct rve_params {
 	int gas;                /* gas state on */
 	double gas_pressure;    /* Pa */
 	double gas_stretch;     /* J / J_ref */
+	double bond_strength;   /* beta_s: a bond bears beta_s kn R, R the mean radius of its discs; 0 = no bonds; below skin */
+	double bond_mu;         /* mu_b: and mu_b times that in shear */
+	double bond_melting;    /* T_c, K: above it every bond breaks; INFINITY = never */
+	double bond_reference;  /* K: beta falls linearly from beta_s here to 0 at T_c; NAN: it is beta_s up to T_c */
 	double overlap_max;     /* guard: largest overlap / smaller radius; at 0.5 a small disc is half-way to being passed through */
 };
 
@@ -54,6 +58,7 @@ struct rve_batch {
 	const int *slot;       /* NULL = 0, 1, 2 ... */
 	const double (*L)[4];  /* 1/s */
 	const double *dT;      /* temperature increment of this call, K */
+	const double *T;       /* absolute temperature at its end, K, at which bonds melt; NULL = they do not */
 	double dt;             /* macroscopic duration, s: exp(L dt) is applied over N sub-steps of dt_DEM */
 	double (*stress)[4];       /* out */
 	double *heat;              /* out: friction heat, W/m3 of current volume */
@@ -65,6 +70,10 @@ struct rve_batch {
 /* Advances every RVE of the batch (OpenMP, dynamic).  The bits depend on nothing but the states and
  * the batch.  STATUS_GUARD (overlap, NaN) names the RVE in the message and sets batch->failed. */
 int rve_advance(const struct rve_model *model, struct rve_batch *batch);
+
+/* Bonds all contacts that carry force (eqs. 38 to 40); bonds that are there stay.  Changes no force.  An RVE that flies
+ * or is frozen gets none, nor does any if bond_strength = 0. */
+void rve_install_bonds(const struct rve_model *model, void *state);
 
 /* Stress, conductivity and modulus of a state as it is. */
 void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3], double *modulus);
@@ -81,6 +90,7 @@ struct rve_info {
 	double void_ratio;
 	double coordination; /* 2 contacts / discs */
 	double sliding_fraction; /* contacts at the Coulomb limit in the last sub-step */
+	int bonds_installed, bonds_intact;
 	double bond_fraction;    /* intact / installed; 0 without bonds */
 	double pressure;         /* Pa */
 	double max_overlap;      /* overlap / smaller radius */
@@ -114,9 +124,9 @@ struct rve_contact {
 	int i, j;              /* discs */
 	int shift[2];          /* j's image: x_j + H shift touches i */
 	double ends[2][2];     /* m: centre of i, centre of j's image */
-	double normal_force;   /* N, compression positive */
+	double normal_force;   /* N, compression positive; only bonds pull */
 	double tangential_force; /* N */
-	double mobilisation;   /* |f_t| / (mu f_n), 0..1 */
+	double mobilisation;   /* |f_t| / (mu f_n), 0..1; of an intact bond its load / the strength below T_c */
 	int sliding, bond;     /* bond: 0 none, 1 intact, 2 broken */
 };
 

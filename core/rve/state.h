@@ -36,6 +36,9 @@ enum {
 	LEDGER_FIELDS
 };
 
+/* What becomes of a bond: the values of the state's flags. */
+enum { BOND_NONE, BOND_INTACT, BOND_BROKEN };
+
 struct rve_head {
 	real H[4];        /* m, columns are the cell vectors a and b */
 	real H_ref[4];    /* at the last list build */
@@ -57,6 +60,7 @@ struct rve_head {
 	index16 entry_first[RVE_LEVELS_MAX]; /* rows from here on have entries in level k */
 	unsigned inertia[RVE_INERTIA_BINS];  /* calls by inertial number */
 	int sub_steps, flags, variant, reseeded, rebuilds, clamped;
+	int bonds_installed, bonds_intact;
 };
 
 /* Sizes and byte offsets, the same for all RVEs of a model. */
@@ -73,7 +77,7 @@ struct rve_layout {
 	int damping;      /* real32: dashpot coefficient / dt, N/m */
 	int pair_j;       /* index16: row */
 	int id;           /* index16[stride]: the packing's index of the disc in each row */
-	int flag;         /* unsigned char: a contact's history beyond its forces */
+	int flag;         /* unsigned char: BOND_NONE ... */
 	int entry;        /* index16[levels][stride] */
 	int bytes;        /* of a state, a multiple of 64 */
 	int scratch;      /* bytes of a block's scratch memory */
@@ -89,16 +93,22 @@ struct rve_constants {
 	real r_max;      /* m */
 	real skin;       /* m */
 	real damping;    /* 2 zeta sqrt(kn) / dt */
+	/* a bond bears bond_force (r_i + r_j) = beta_s kn R in tension, bond_mu times that in shear (eqs. 38 to 40) */
+	real bond_force;   /* N/m, beta_s kn / 2 */
+	real bond_mu;      /* - */
+	real bond_melting; /* K: above it nothing holds */
+	real bond_slope;   /* 1/K, of the linear law: the share (T_c - T) slope of the force, at most 1; 0 = all of it */
 };
 
 /* One call for one RVE. */
 struct rve_call {
-	int sub_steps; /* 0: only measure the state as it is */
-	int rebuild;   /* 1: the neighbour list is not valid (a new state) */
-	real A[4];     /* exp(L dt / sub_steps): moves the cell */
-	real B[4];     /* R - D dt/sub_steps, R = exp(W dt / sub_steps): moves fluctuation velocities */
-	real D[3];     /* strain of one sub-step, xx yy xy */
-	real heating;  /* K in one sub-step */
+	int sub_steps;    /* 0: only measure the state as it is */
+	int rebuild;      /* 1: the neighbour list is not valid (a new state) */
+	real A[4];        /* exp(L dt / sub_steps): moves the cell */
+	real B[4];        /* R - D dt/sub_steps, R = exp(W dt / sub_steps): moves fluctuation velocities */
+	real D[3];        /* strain of one sub-step, xx yy xy */
+	real heating;     /* K in one sub-step */
+	real temperature; /* K, absolute, before the first one: what bonds melt at */
 };
 
 enum rve_kernel_status { KERNEL_OK, KERNEL_SLENDER, KERNEL_CROWDED };

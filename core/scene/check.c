@@ -131,13 +131,48 @@ static void check_packing(struct loader *loader, const struct scene_packing *pac
 	}
 }
 
+/* The group `bonds` of a law, NULL if it has none. */
+static const struct node *bonds_of(const struct loader *loader, int law)
+{
+	char path[PATH_LENGTH], inner[PATH_LENGTH];
+	law_path(loader, law, path);
+	const struct node *node = tree_walk(loader->root, path_print(inner, "%s.bonds", path));
+	return node && node->name && !strcmp(node->name, "bonds") ? node : NULL;
+}
+
+static void check_bonds(struct loader *loader, const struct scene_law_rve *rve, const char *law)
+{
+	const struct scene_bonds *bonds = &rve->bonds;
+	char path[PATH_LENGTH];
+	if (bonds->strength >= rve->skin)
+		problem_of(loader, path_print(path, "%s.bonds.strength", law),
+				   "is %g, expected less than skin = %g: bonded discs that part must stay neighbours", bonds->strength,
+				   rve->skin);
+	if (bonds->linear && isinf(bonds->melting))
+		problem_of(loader, path_print(path, "%s.bonds.melting", law),
+				   "is missing, expected the temperature at which linear softening ends");
+	else if (bonds->linear && bonds->reference >= bonds->melting)
+		problem_of(loader, path_print(path, "%s.bonds.reference", law), "is %g %s, expected less than melting = %g %s",
+				   scene_temperature_out(loader->scene, bonds->reference), scene_temperature_unit(loader->scene),
+				   scene_temperature_out(loader->scene, bonds->melting), scene_temperature_unit(loader->scene));
+}
+
 static void check_laws(struct loader *loader)
 {
 	for (int k = 0; k < loader->scene->n_laws; k++) {
 		char path[PATH_LENGTH];
+		const struct scene_law *law = &loader->scene->laws[k];
 		law_path(loader, k, path);
-		if (loader_clean(loader, "%s", path) && loader->scene->laws[k].type == SCENE_LAW_RVE)
-			check_packing(loader, &loader->scene->laws[k].rve.packing, path);
+		if (!loader_clean(loader, "%s", path))
+			continue;
+		if (law->type == SCENE_LAW_RVE) {
+			check_packing(loader, &law->rve.packing, path);
+			check_bonds(loader, &law->rve, path);
+		} else if (law->thermoelastic.neo_hookean && law->thermoelastic.plane_stress) {
+			char key[PATH_LENGTH];
+			problem_of(loader, path_print(key, "%s.plane", path),
+					   "is \"stress\", expected \"strain\" with elasticity = \"neo_hookean\"");
+		}
 	}
 }
 
@@ -163,8 +198,10 @@ static void check_step(struct loader *loader, const struct scene_material *mater
 					   "is %g s, over the limit of material '%s', expected at most %.4g s = %g cell sqrt(density / M)",
 					   step, material->name, limit, scene->time.step_factor);
 	}
-	double thermal_step = step * scene->time.thermal_every / scene->time.thermal_steps;
-	double thermal_limit = density * material->heat_capacity * h * h / (2.0 * material->conductivity);
+	double thermal_step = step * scene->thermal.time_scale * scene->time.thermal_every / scene->time.thermal_steps;
+	double capacity = fmin(material->heat_capacity, material->heat_capacity_frozen);
+	double thermal_limit =
+		density * capacity * h * h / (2.0 * fmax(material->conductivity, material->conductivity_frozen));
 	if (scene->thermal.on && thermal_step > thermal_limit)
 		problem_of(loader, scene->time.thermal_every > 1 ? "time.thermal_every" : "time.step",
 				   "makes thermal steps of %g s, over the limit of material '%s', expected at most %.4g s = density "
@@ -172,6 +209,27 @@ static void check_step(struct loader *loader, const struct scene_material *mater
 				   "cell^2 / (2 conductivity)%s",
 				   thermal_step, material->name, thermal_limit,
 				   scene->time.thermal_every > 1 ? "" : ", or more time.thermal_steps");
+}
+
+/* What only means something beside another key. */
+static void check_freezing(struct loader *loader, int k)
+{
+	static const char *const frozen[] = {"latent_heat", "heat_capacity_frozen", "conductivity_frozen"};
+	const struct scene *scene = loader->scene;
+	const struct node *node = node_find(loader->root, "materials")->children[k];
+	char path[PATH_LENGTH];
+	bool freezes = !isnan(scene->materials[k].freezing[0]);
+	for (size_t f = 0; f < sizeof frozen / sizeof *frozen && !freezes; f++)
+		if (node_find(node, frozen[f]))
+			problem_of(
+				loader, path_to(path, "materials", k, frozen[f]),
+				"is given though the material does not freeze, expected freezing = [frozen below, thawed above]");
+	if (freezes && !scene->thermal.on)
+		problem_of(loader, path_to(path, "materials", k, "freezing"), "is given though heat is off, expected heat");
+	if (freezes && scene->thermal.on && scene->time.thermal_steps > 1 && loader_clean(loader, "time"))
+		problem_of(loader, "time.thermal_steps",
+				   "is %d though material '%s' freezes, expected 1: thermal sub-steps know no latent heat",
+				   scene->time.thermal_steps, scene->materials[k].name);
 }
 
 static void check_materials(struct loader *loader)
@@ -194,7 +252,9 @@ static void check_materials(struct loader *loader)
 		if (scene->thermal.on && elastic && isnan(material->conductivity))
 			problem_of(loader, path_to(path, "materials", k, "conductivity"),
 					   "is missing though heat is on, expected a number >= 0 (W/(m K))");
-		if (clean_element(loader, "materials", k) && loader_clean(loader, "time") && loader_clean(loader, "grid"))
+		check_freezing(loader, k);
+		if (clean_element(loader, "materials", k) && loader_clean(loader, "time") && loader_clean(loader, "grid") &&
+			loader_clean(loader, "thermal"))
 			check_step(loader, material);
 	}
 }
@@ -259,6 +319,25 @@ static void check_layers(struct loader *loader, int k)
 		}
 }
 
+/* A gradient is steepest at the corners. */
+static void check_gradient(struct loader *loader, int k)
+{
+	const struct scene_body *body = &loader->scene->bodies[k];
+	double coldest = body->temperature;
+	for (int j = 0; j < body->n_layers; j++)
+		coldest = fmin(coldest, body->layers[j].temperature);
+	for (int i = 0; i < body->n_vertices; i++) {
+		double T = coldest + scene_body_warming(body, body->vertices[i]);
+		if (T < 0.0) {
+			char path[PATH_LENGTH];
+			problem_of(loader, path_to(path, "bodies", k, "temperature_gradient"),
+					   "cools the body to %.6g K at (%g, %g), expected no temperature below absolute zero", T,
+					   body->vertices[i][0], body->vertices[i][1]);
+			return;
+		}
+	}
+}
+
 /* Fills a body for the checks that follow; n_points stays -1 if it cannot be filled. */
 static void fill_body(struct loader *loader, int k)
 {
@@ -312,6 +391,7 @@ static void check_bodies(struct loader *loader)
 			problem_of(loader, path_to(path, "bodies", k, "points_per_cell"), "is %d, expected 1, 4, 9 or 16",
 					   body->points_per_cell);
 		check_layers(loader, k);
+		check_gradient(loader, k);
 		path_to(path, "bodies", k, shape_key(loader, "bodies", k));
 		if (!*shape_key(loader, "bodies", k)) {
 			problem_of(loader, path, "has no shape, expected box = [...] or polygon = (...)");
@@ -401,6 +481,16 @@ static void check_wall_free(struct loader *loader, int k, const char *path)
 	}
 }
 
+/* A value and its table are two ways to say one thing. */
+static void check_one_of(struct loader *loader, const char *list, int k, const char *key, double constant,
+						 const struct scene_series *series)
+{
+	char path[PATH_LENGTH];
+	path_to(path, list, k, key);
+	if (series->n && !isnan(constant))
+		problem_of(loader, path, "is given beside %s_table, expected one of the two", path);
+}
+
 static void check_walls(struct loader *loader)
 {
 	struct scene *scene = loader->scene;
@@ -410,6 +500,7 @@ static void check_walls(struct loader *loader)
 		if (!clean_element(loader, "walls", k))
 			continue;
 		path_to(path, "walls", k, shape_key(loader, "walls", k));
+		check_one_of(loader, "walls", k, "temperature", wall->temperature, &wall->temperature_table);
 		if (wall->until <= wall->from)
 			problem_of(loader, path_to(key, "walls", k, "until"), "is %g s, expected more than from = %g s",
 					   wall->until, wall->from);
@@ -428,6 +519,47 @@ static void check_walls(struct loader *loader)
 	}
 }
 
+static void check_convection(struct loader *loader, int k)
+{
+	const struct scene_convection *c = &loader->scene->boundaries[k].convection;
+	char path[PATH_LENGTH];
+	bool ambient = !isnan(c->ambient) || c->ambient_table.n;
+	if (!isnan(c->coefficient) && !ambient)
+		problem_of(loader, path_to(path, "boundaries", k, "convection"),
+				   "has no ambient, expected ambient or ambient_table");
+	if (isnan(c->coefficient) && ambient)
+		problem_of(loader, path_to(path, "boundaries", k, "convection"),
+				   "has no coefficient, expected a number > 0 (W/(m2 K))");
+}
+
+/* A grid that follows a wall: along the wall's motion its face and the fixed place are rows of nodes. */
+static void check_follow(struct loader *loader)
+{
+	const struct scene *scene = loader->scene;
+	const struct scene_grid *grid = &scene->grid;
+	if (!grid->follows || !loader_clean(loader, "walls") || !loader_clean(loader, "grid"))
+		return;
+	const struct scene_wall *wall = &scene->walls[grid->follow];
+	if (wall->velocity[0] == 0.0 && wall->velocity[1] == 0.0)
+		problem_of(loader, "grid.follow", "is wall '%s', which does not move, expected a wall with a velocity",
+				   wall->name);
+	for (int c = 0; c < 2; c++) {
+		double face = scene_grid_face(scene, c), fixed = grid->fixed[c];
+		double rows[2] = {(fixed - grid->origin[c]) / grid->cell, (face - grid->origin[c]) / grid->cell};
+		if (wall->velocity[c] == 0.0)
+			continue;
+		if (fabs(rows[0] - round(rows[0])) > TOUCHING)
+			problem_of(loader, "grid.fixed", "is %c = %g m, between two rows of nodes, expected it on one", "xy"[c],
+					   fixed);
+		else if (fabs(rows[1] - round(rows[1])) > TOUCHING)
+			problem_of(loader, "grid.follow",
+					   "has its face at %c = %g m, between two rows of nodes, expected it on one", "xy"[c], face);
+		else if (fabs(rows[1] - rows[0]) < 0.5)
+			problem_of(loader, "grid.fixed", "is %c = %g m, on the face of wall '%s', expected it elsewhere", "xy"[c],
+					   fixed, wall -> name);
+	}
+}
+
 static void check_boundaries(struct loader *loader)
 {
 	const struct scene *scene = loader->scene;
@@ -437,10 +569,15 @@ static void check_boundaries(struct loader *loader)
 		const struct scene_boundary *b = &scene->boundaries[k];
 		if (!clean_element(loader, "boundaries", k))
 			continue;
-		bool nodal = !isnan(b->velocity[0]) || !isnan(b->velocity[1]) || !isnan(b->temperature);
-		if (!nodal && isnan(b->flux))
+		bool nodal = !isnan(b->velocity[0]) || !isnan(b->velocity[1]) || scene_boundary_heats_nodes(b);
+		check_one_of(loader, "boundaries", k, "temperature", b->temperature, &b->temperature_table);
+		check_one_of(loader, "boundaries", k, "flux", b->flux, &b->flux_table);
+		check_one_of(loader, "boundaries", k, "convection.ambient", b->convection.ambient,
+					 &b->convection.ambient_table);
+		check_convection(loader, k);
+		if (!nodal && !scene_boundary_heats_points(b) && clean_element(loader, "boundaries", k))
 			problem_of(loader, path_to(path, "boundaries", k, ""),
-					   "imposes nothing, expected velocity_x, velocity_y, temperature or flux");
+					   "imposes nothing, expected velocity_x, velocity_y, temperature, flux or convection");
 		if (b->until <= b->from)
 			problem_of(loader, path_to(path, "boundaries", k, "until"), "is %g s, expected more than from = %g s",
 					   b->until, b->from);
@@ -476,6 +613,30 @@ static void check_stages(struct loader *loader)
 		problem_of(loader, path_to(path, "stages", scene->n_stages - 1, "duration"),
 				   "ends the stages at %g s, before time.end = %g s, expected none for the last stage, or a longer one",
 				   sum, scene->time.end);
+}
+
+/* Bonds need a law that describes them and a stage that installs them (and ends: not the last). */
+static void check_installing(struct loader *loader)
+{
+	const struct scene *scene = loader->scene;
+	char path[PATH_LENGTH];
+	int stage = -1, law = -1;
+	if (!loader_clean(loader, "stages") || !loader_clean(loader, "laws") || !loader_clean(loader, "materials"))
+		return;
+	for (int k = scene->n_stages - 1; k >= 0; k--)
+		stage = scene->stages[k].then_install_bonds ? k : stage;
+	for (int k = scene->n_laws - 1; k >= 0; k--)
+		law = scene->laws[k].type == SCENE_LAW_RVE && bonds_of(loader, k) ? k : law;
+	if (stage >= 0 && law < 0)
+		problem_of(loader, path_to(path, "stages", stage, "then"),
+				   "installs bonds, expected a law of type \"rve\" with bonds = { strength = ...; }");
+	else if (stage >= 0 && stage == scene->n_stages - 1)
+		problem_of(loader, path_to(path, "stages", stage, "then"),
+				   "installs bonds when the last stage ends, expected that of a stage before it");
+	else if (stage < 0 && law >= 0 && scene->laws[law].rve.bonds.strength > 0.0)
+		problem_at(loader, bonds_of(loader, law)->place, "bonds",
+				   "of law '%s' are never installed, expected a stage with then = (\"install_bonds\"), or strength = 0",
+				   scene->laws[law].name);
 }
 
 /* ---- what is recorded ---- */
@@ -671,8 +832,10 @@ void check_scene(struct loader *loader)
 	check_laws(loader);
 	check_materials(loader);
 	check_stages(loader);
+	check_installing(loader);
 	check_bodies(loader);
 	check_walls(loader);
+	check_follow(loader);
 	check_boundaries(loader);
 	check_probes(loader);
 	check_regions(loader);

@@ -93,6 +93,60 @@ void read_material_name(struct loader *loader, const struct scene_key *key, stru
 		*material = read_reference(loader, node, "materials", path);
 }
 
+/* A temperature that stands in a row or a pair; false (recorded) below absolute zero. */
+static bool to_kelvin(struct loader *loader, struct node *node, double *value, const char *path)
+{
+	double given = *value;
+	*value = temperature_in(loader, given);
+	if (*value >= 0.0)
+		return true;
+	problem_at(loader, node->place, path, "holds %.10g, below absolute zero, expected at least %s", given,
+			   loader->scene->units.celsius ? "-273.15 C" : "0 K");
+	return false;
+}
+
+void read_freezing(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+				   const char *path)
+{
+	double *between = (double *)((char *)target + key->offset);
+	double given[2];
+	if (!read_numbers(loader, key, node, 2, given, path))
+		return;
+	for (int k = 0; k < 2; k++)
+		if (!to_kelvin(loader, node, &given[k], path))
+			return;
+	if (given[0] > given[1])
+		problem_at(loader, node->place, path, "falls, expected %s", key->expected);
+	memcpy(between, given, sizeof given);
+}
+
+void read_series(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+{
+	struct scene_series *series = (struct scene_series *)((char *)target + key->offset);
+	struct scene_key row = *key;
+	row.unit = NULL; /* of the value, not of the time */
+	series->n = read_points(loader, &row, node, &series->rows, path);
+	if (node->type == NODE_LIST && node->n < 2)
+		problem_at(loader, node->place, path, "has %d row%s, expected %s", node->n, node->n == 1 ? "" : "s",
+				   key->expected);
+	for (int k = 1; k < series->n; k++)
+		if (!(series->rows[k][0] > series->rows[k - 1][0])) {
+			problem_at(loader, node->children[k]->place, path, "goes from %g s to %g s, expected %s",
+					   series->rows[k - 1][0], series->rows[k][0], key->expected);
+			return;
+		}
+}
+
+void read_temperature_series(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+							 const char *path)
+{
+	struct scene_series *series = (struct scene_series *)((char *)target + key->offset);
+	read_series(loader, key, node, target, path);
+	for (int k = 0; k < series->n; k++)
+		if (!to_kelvin(loader, node->children[k], &series->rows[k][1], path))
+			return;
+}
+
 /* ---- shapes ---- */
 
 static bool read_corners(struct loader *loader, const struct scene_key *key, struct node *node, double low[2],
@@ -164,6 +218,16 @@ void read_box(struct loader *loader, const struct scene_key *key, struct node *n
 				 (double *)((char *)target + key->n_offset), path);
 }
 
+void read_grid_follow(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					  const char *path)
+{
+	struct scene_grid *grid = target;
+	if (!is_string(loader, key, node, path))
+		return;
+	grid->follow = read_reference(loader, node, "walls", path);
+	grid->follows = grid->follow >= 0;
+}
+
 /* ---- stages ---- */
 
 static bool is_string_list(struct loader *loader, const struct scene_key *key, const struct node *node,
@@ -198,7 +262,9 @@ void read_stage_then(struct loader *loader, const struct scene_key *key, struct 
 		return;
 	for (int k = 0; k < node->n; k++) {
 		const struct node *what = node->children[k];
-		if (!strcmp(what->string, "zero_velocity"))
+		if (!strcmp(what->string, "install_bonds"))
+			stage->then_install_bonds = true;
+		else if (!strcmp(what->string, "zero_velocity"))
 			stage->then_zero_velocity = true;
 		else if (!strcmp(what->string, "zero_ledger"))
 			stage->then_zero_ledger = true;

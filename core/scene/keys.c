@@ -15,6 +15,7 @@
 	.element_size = sizeof *((struct s *)0)->array
 #define CHOICES(...) .choices = (const char *const[]){__VA_ARGS__, NULL}
 #define KEYS(table) .tables = (const struct scene_table[]){{NULL, table}, {NULL, NULL}}
+#define SERIES .expected = "rows ([s, value], [s, value], ...), two at least, in the order of time"
 #define END {.name = NULL}
 
 static const struct scene_key units_keys[] = {
@@ -31,6 +32,11 @@ static const struct scene_key grid_keys[] = {
 	 .doc = "edge of the square cells"},
 	{.name = "thickness", .type = KEY_FLOAT, AT(scene_grid, thickness), .unit = "m", .value = "1.0", .range = RANGE_POSITIVE,
 	 .doc = "out of plane; gives masses, forces and energies"},
+	{.name = "follow", .type = KEY_CUSTOM, .absent = "the grid stays as it is", .text = true, .read = read_grid_follow,
+	 .expected = "the name of a moving wall",
+	 .doc = "name of a moving wall: the grid is stretched with it, so that its face stays on a row of nodes"},
+	{.name = "fixed", .type = KEY_FLOATS, AT(scene_grid, fixed), .count = 2, .unit = "m", .absent = "the origin",
+	 .doc = "the place that does not move when the grid follows a wall"},
 	END};
 
 static const struct scene_key time_keys[] = {
@@ -68,6 +74,8 @@ static const struct scene_key thermal_keys[] = {
 	 .doc = "heat is conducted and stored; false = no thermal pass"},
 	{.name = "friction_heat", .type = KEY_BOOL, AT(scene_thermal, friction_heat), .value = "true",
 	 .doc = "friction between the discs of RVEs heats the points"},
+	{.name = "time_scale", .type = KEY_FLOAT, AT(scene_thermal, time_scale), .value = "1.0", .range = RANGE_POSITIVE,
+	 .doc = "heat conduction, fluxes and convection run so many times faster than the mechanics; friction heat, times of tables and from/until do not"},
 	END};
 
 /* ---- laws ---- */
@@ -94,6 +102,19 @@ static const struct scene_key packing_keys[] = {
 	 .doc = "of the random numbers; the same seed gives the same packing"},
 	END};
 
+static const struct scene_key bonds_keys[] = {
+	{.name = "strength", .type = KEY_FLOAT, AT(scene_bonds, strength), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "a bond bears this times kn times the mean radius of its two discs in tension; 0 = no bonds; less than skin"},
+	{.name = "mu", .type = KEY_FLOAT, AT(scene_bonds, mu), .value = "0.5", .range = RANGE_WITHIN, .min = 0.0, .max = 10.0,
+	 .doc = "and this times its tensile strength in shear"},
+	{.name = "melting", .type = KEY_TEMPERATURE, AT(scene_bonds, melting), .absent = "never",
+	 .doc = "above this temperature every bond breaks, for good"},
+	{.name = "softening", .type = KEY_FLAG, AT(scene_bonds, linear), .value = "\"step\"", CHOICES("step", "linear"),
+	 .doc = "whether the strength is whole up to melting, or falls to nothing there in proportion"},
+	{.name = "reference", .type = KEY_TEMPERATURE, AT(scene_bonds, reference), .absent = "0 C",
+	 .doc = "at and below this temperature the strength of linear softening is whole"},
+	END};
+
 #define LAW_KEYS \
 	{.name = "name", .type = KEY_NAME, AT(scene_law, name), .absent = "the material's name (in the list laws it is required)", \
 	 .doc = "by which materials refer to the law"}, \
@@ -110,12 +131,16 @@ static const struct scene_key thermoelastic_keys[] = {
 	 .min = -0.1, .max = 0.1, .doc = "linear thermal expansion"},
 	{.name = "plane", .type = KEY_FLAG, AT(scene_law, thermoelastic.plane_stress), .value = "\"strain\"", CHOICES("strain", "stress"),
 	 .doc = "what holds out of the plane"},
+	{.name = "elasticity", .type = KEY_FLAG, AT(scene_law, thermoelastic.neo_hookean), .value = "\"hencky\"", CHOICES("hencky", "neo_hookean"),
+	 .doc = "stress by logarithmic strain, for stretches from 0.21 to 1.39; or neo-Hookean, for large strain"},
 	END};
 
 static const struct scene_key rve_keys[] = {
 	LAW_KEYS,
 	{.name = "packing", .type = KEY_GROUP, AT(scene_law, rve.packing), KEYS(packing_keys), .required = true,
 	 .doc = "the cell's discs at the start"},
+	{.name = "bonds", .type = KEY_GROUP, AT(scene_law, rve.bonds), KEYS(bonds_keys),
+	 .doc = "between discs, once a stage has installed them; at contacts that carry force"},
 	{.name = "kn", .type = KEY_FLOAT, AT(scene_law, rve.kn), .unit = "N/m", .value = "1e6", .range = RANGE_POSITIVE,
 	 .doc = "normal contact stiffness"},
 	{.name = "ks", .type = KEY_FLOAT, AT(scene_law, rve.ks), .unit = "N/m", .value = "1e6", .range = RANGE_NOT_NEGATIVE,
@@ -166,7 +191,16 @@ static const struct scene_key material_keys[] = {
 	{.name = "conductivity", .type = KEY_FLOAT, AT(scene_material, conductivity), .unit = "W/(m K)", .range = RANGE_NOT_NEGATIVE,
 	 .absent = "from the contacts of an rve; thermoelastic: only without heat", .doc = "thermal conductivity"},
 	{.name = "reference_temperature", .type = KEY_TEMPERATURE, AT(scene_material, reference_temperature),
-	 .absent = "the body's temperature", .doc = "at which the thermal strain is zero"},
+	 .absent = "the temperature at the start", .doc = "at which the thermal strain is zero"},
+	{.name = "freezing", .type = KEY_CUSTOM, AT(scene_material, freezing), .absent = "it does not freeze", .read = read_freezing,
+	 .expected = "two temperatures [frozen below, thawed above], the same or rising",
+	 .doc = "[frozen below, thawed above]; between them the latent heat is spread evenly; heat_capacity and conductivity are those of the thawed material"},
+	{.name = "latent_heat", .type = KEY_FLOAT, AT(scene_material, latent_heat), .unit = "J/kg", .absent = "none", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "that thawing takes and freezing gives, per mass of the bulk"},
+	{.name = "heat_capacity_frozen", .type = KEY_FLOAT, AT(scene_material, heat_capacity_frozen), .unit = "J/(kg K)", .range = RANGE_POSITIVE,
+	 .absent = "heat_capacity", .doc = "when frozen"},
+	{.name = "conductivity_frozen", .type = KEY_FLOAT, AT(scene_material, conductivity_frozen), .unit = "W/(m K)", .range = RANGE_NOT_NEGATIVE,
+	 .absent = "as when thawed", .doc = "when frozen, also of an rve"},
 	END};
 
 /* ---- bodies and walls ---- */
@@ -192,6 +226,10 @@ static const struct scene_key body_keys[] = {
 	{.name = "points_per_cell", .type = KEY_INT, AT(scene_body, points_per_cell), .value = "4", .range = RANGE_WITHIN, .min = 1, .max = 16,
 	 .doc = "1, 4, 9 or 16; the spacing is cell / sqrt(points_per_cell)"},
 	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_body, temperature), .absent = "20 C", .doc = "at the start"},
+	{.name = "temperature_gradient", .type = KEY_FLOATS, AT(scene_body, temperature_gradient), .count = 2, .unit = "K/m", .value = "[0.0, 0.0]",
+	 .doc = "at the start, added to the temperatures of the body and its layers"},
+	{.name = "temperature_at", .type = KEY_FLOATS, AT(scene_body, temperature_at), .count = 2, .unit = "m",
+	 .absent = "the lower left corner of the box around the body", .doc = "where those temperatures hold"},
 	{.name = "velocity", .type = KEY_FLOATS, AT(scene_body, velocity), .count = 2, .unit = "m/s", .value = "[0.0, 0.0]",
 	 .doc = "at the start"},
 	{.name = "variants", .type = KEY_INT, AT(scene_body, variants), .value = "1", .range = RANGE_WITHIN, .min = 1, .max = 1000,
@@ -221,6 +259,8 @@ static const struct scene_key wall_keys[] = {
 	 .doc = "the wall moves with it while it is active"},
 	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_wall, temperature), .absent = "insulating",
 	 .doc = "of nodes in contact with the wall"},
+	{.name = "temperature_table", .type = KEY_CUSTOM, AT(scene_wall, temperature_table), .absent = "constant", .read = read_temperature_series, SERIES,
+	 .doc = "or as it changes in time: ([s, temperature], ...), linear between the rows, held outside them"},
 	{.name = "heat_share", .type = KEY_FLOAT, AT(scene_wall, heat_share), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
 	 .doc = "share of the friction work at the wall that heats the material"},
 	{.name = "from", .type = KEY_FLOAT, AT(scene_wall, from), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
@@ -231,18 +271,33 @@ static const struct scene_key wall_keys[] = {
 	 .doc = "false leaves the wall out of the scene, for variants"},
 	END};
 
+static const struct scene_key convection_keys[] = {
+	{.name = "coefficient", .type = KEY_FLOAT, AT(scene_convection, coefficient), .unit = "W/(m2 K)", .absent = "no convection", .range = RANGE_POSITIVE,
+	 .doc = "of heat transfer"},
+	{.name = "ambient", .type = KEY_TEMPERATURE, AT(scene_convection, ambient), .absent = "only with ambient_table",
+	 .doc = "temperature of the surroundings"},
+	{.name = "ambient_table", .type = KEY_CUSTOM, AT(scene_convection, ambient_table), .absent = "constant", .read = read_temperature_series, SERIES,
+	 .doc = "or as it changes in time: ([s, temperature], ...)"},
+	END};
+
 static const struct scene_key boundary_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_boundary, name), .required = true, .doc = "of the boundary"},
 	{.name = "box", .type = KEY_CUSTOM, AT(scene_boundary, min), .n_offset = offsetof(struct scene_boundary, max), .unit = "m", .required = true, .read = read_box,
-	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "nodes in [xmin, ymin, xmax, ymax] (which may have no width); points, for a flux"},
+	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "nodes in [xmin, ymin, xmax, ymax] (which may have no width); points, for a flux or convection"},
 	{.name = "velocity_x", .type = KEY_FLOAT, AT(scene_boundary, velocity[0]), .unit = "m/s", .absent = "free",
 	 .doc = "imposed on the nodes"},
 	{.name = "velocity_y", .type = KEY_FLOAT, AT(scene_boundary, velocity[1]), .unit = "m/s", .absent = "free",
 	 .doc = "imposed on the nodes"},
 	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_boundary, temperature), .absent = "free", .doc = "imposed on the nodes"},
+	{.name = "temperature_table", .type = KEY_CUSTOM, AT(scene_boundary, temperature_table), .absent = "constant", .read = read_temperature_series, SERIES,
+	 .doc = "or as it changes in time: ([s, temperature], ...), linear between the rows, held outside them"},
 	{.name = "flux", .type = KEY_FLOAT, AT(scene_boundary, flux), .unit = "W/m2", .absent = "none", .doc = "heat into the material"},
+	{.name = "flux_table", .type = KEY_CUSTOM, AT(scene_boundary, flux_table), .unit = "W/m2", .absent = "constant", .read = read_series, SERIES,
+	 .doc = "or as it changes in time: ([s, flux], ...)"},
+	{.name = "convection", .type = KEY_GROUP, AT(scene_boundary, convection), KEYS(convection_keys),
+	 .doc = "heat exchanged with the surroundings: coefficient (ambient - temperature in the layer)"},
 	{.name = "layer", .type = KEY_FLOAT, AT(scene_boundary, layer), .unit = "m", .absent = "one cell", .range = RANGE_POSITIVE,
-	 .doc = "thickness over which the flux enters"},
+	 .doc = "thickness over which a flux enters or convection acts"},
 	{.name = "from", .type = KEY_FLOAT, AT(scene_boundary, from), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
 	 .doc = "active from this time"},
 	{.name = "until", .type = KEY_FLOAT, AT(scene_boundary, until), .unit = "s", .absent = "for ever", .range = RANGE_POSITIVE,
@@ -258,8 +313,8 @@ static const struct scene_key stage_keys[] = {
 	{.name = "walls", .type = KEY_CUSTOM, AT(scene_stage, walls), .absent = "all walls", .read = read_stage_walls,
 	 .expected = "a list of names of walls: (\"ground\", ...)", .doc = "names of the walls that stand in this stage"},
 	{.name = "then", .type = KEY_CUSTOM, .absent = "nothing", .read = read_stage_then,
-	 .expected = "a list of \"zero_velocity\" and \"zero_ledger\"",
-	 .doc = "what is done when it ends: zero_velocity (stop all points), zero_ledger (count energies anew)"},
+	 .expected = "a list of \"install_bonds\", \"zero_velocity\" and \"zero_ledger\"",
+	 .doc = "what is done when it ends, in this order: install_bonds (of laws that have bonds), zero_velocity (stop all points), zero_ledger (count energies anew)"},
 	END};
 
 /* ---- outputs ---- */
@@ -276,7 +331,7 @@ static const struct scene_key probe_keys[] = {
 
 static const struct scene_key region_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_region, name), .required = true,
-	 .doc = "its columns are region.NAME.mass, flow and temperature in the history"},
+	 .doc = "its columns are region.NAME.mass, flow, volume and temperature in the history"},
 	{.name = "box", .type = KEY_CUSTOM, AT(scene_region, min), .n_offset = offsetof(struct scene_region, max), .unit = "m", .required = true, .read = read_box,
 	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "[xmin, ymin, xmax, ymax]"},
 	END};
@@ -361,7 +416,7 @@ static const struct scene_key root_keys[] = {
 	 .doc = "protocols: stages of one run, one after the other"},
 	{.name = "probes", LIST(scene, probes, n_probes), KEYS(probe_keys), .absent = "none", .doc = "points recorded in history.csv"},
 	{.name = "regions", LIST(scene, regions, n_regions), KEYS(region_keys), .absent = "none",
-	 .doc = "boxes whose mass, flow and mean temperature go to history.csv"},
+	 .doc = "boxes whose mass, flow, volume and mean temperature go to history.csv"},
 	{.name = "inspect", LIST(scene, inspect, n_inspect), KEYS(inspect_keys), .absent = "none",
 	 .doc = "RVEs written to files with their path, to be drawn"},
 	{.name = "output", .type = KEY_GROUP, AT(scene, output), KEYS(output_keys), .doc = "what is written, how often"},
@@ -480,7 +535,7 @@ static void consider(void *data, const char *path, const struct scene_key *key)
 	}
 }
 
-void scene_keys_nearest(const char *path, char *nearest)
+void keys_nearest(const struct scene_key *keys, const char *path, char *nearest)
 {
 	struct search search = {.best = 1 << 20, .nearest = nearest};
 	size_t n = 0;
@@ -494,5 +549,5 @@ void scene_keys_nearest(const char *path, char *nearest)
 	const char *dot = strrchr(search.plain, '.');
 	search.last = dot ? dot + 1 : search.plain;
 	nearest[0] = '\0';
-	scene_keys_visit(consider, &search);
+	visit_keys(keys, "", consider, &search);
 }

@@ -20,6 +20,12 @@ struct scene_place {
 	int line;         /* 0 for an override */
 };
 
+/* What changes in time: rows of (s, value), linear between them, held before the first and behind the last. */
+struct scene_series {
+	int n;             /* 0 = there is none */
+	double (*rows)[2]; /* times strictly increase */
+};
+
 struct scene_units {
 	bool celsius; /* the scene speaks in degrees Celsius; inside, everything is kelvin */
 };
@@ -29,6 +35,9 @@ struct scene_grid {
 	double size[2];   /* m, a whole number of cells */
 	double cell;      /* m, square cells */
 	double thickness; /* m out of plane, default 1 */
+	bool follows;     /* the grid is stretched with a moving wall: see mpm/grid.c */
+	int follow;       /* that wall's index */
+	double fixed[2];  /* m, the place that stays where it is then; default the origin */
 };
 
 struct scene_time {
@@ -52,6 +61,7 @@ struct scene_mpm {
 struct scene_thermal {
 	bool on;            /* default: true if anything in the scene needs heat; false = no thermal pass */
 	bool friction_heat; /* RVE friction heats the points; default true */
+	double time_scale;  /* conduction, fluxes and convection run so many times faster than the rest; default 1 */
 };
 
 /* ---- laws ---- */
@@ -63,6 +73,7 @@ struct scene_law_thermoelastic {
 	double poisson;    /* - */
 	double expansion;  /* 1/K, linear */
 	bool plane_stress; /* default false: plane strain */
+	bool neo_hookean;  /* default false: hencky */
 };
 
 /* How to make (or where to find) the packing of an RVE law; see rve/packing.h. */
@@ -77,8 +88,18 @@ struct scene_packing {
 	unsigned seed;                 /* 1 */
 };
 
+/* Bonds between the discs of an RVE law (eqs. 38 to 40); a stage installs them. */
+struct scene_bonds {
+	double strength;  /* beta_s: a bond bears beta_s kn R, R the mean radius of its discs; 0 = none (default) */
+	double mu;        /* mu_b: and mu_b times that in shear; 0.5 */
+	double melting;   /* T_c, K: above it all bonds break; infinity = never (default) */
+	bool linear;      /* the strength falls linearly from `reference` to T_c; default false: it is whole up to T_c */
+	double reference; /* K; at and below it the strength of linear softening is whole; default 0 C */
+};
+
 struct scene_law_rve {
 	struct scene_packing packing;
+	struct scene_bonds bonds;
 	double kn, ks;          /* N/m; 1e6 each */
 	double mu;              /* 0.5 */
 	double damping_ratio;   /* zeta; 0.2 */
@@ -111,7 +132,11 @@ struct scene_material {
 	double density;               /* bulk, kg/m3; NAN = from the RVE: grain density / (1 + e) */
 	double heat_capacity;         /* J/(kg K); NAN where there is no heat */
 	double conductivity;          /* W/(m K); NAN = from the law */
-	double reference_temperature; /* K, where thermal strain is zero; NAN = the body's temperature */
+	double reference_temperature; /* K, where thermal strain is zero; NAN = the point's temperature at birth */
+	double freezing[2];           /* K: frozen at and below the first, thawed at and above the second; NAN = neither */
+	double latent_heat;           /* J/kg, from frozen to thawed; 0 */
+	double heat_capacity_frozen;  /* J/(kg K); heat_capacity */
+	double conductivity_frozen;   /* W/(m K); NAN = as thawed */
 	struct scene_place place;
 };
 
@@ -131,6 +156,8 @@ struct scene_body {
 	double lattice_origin[2]; /* m; NAN = the grid's origin: points sit at (i + 1/2) cell/side from here */
 	int points_per_cell;      /* 1, 4, 9, 16 */
 	double temperature;       /* K */
+	double temperature_gradient[2]; /* K/m, added to the temperatures of the body and its layers; 0 */
+	double temperature_at[2];       /* m, where those hold */
 	double velocity[2];       /* m/s */
 	int variants;             /* packings with seeds seed .. seed+n-1 dealt out in turn; 1 */
 	int n_layers;
@@ -156,21 +183,32 @@ struct scene_wall {
 	enum scene_wall_contact contact;
 	double friction;    /* 0 */
 	double velocity[2]; /* m/s; the wall moves with it */
-	double temperature; /* K; NAN = insulating */
+	double temperature; /* K; NAN = insulating, or by the table */
+	struct scene_series temperature_table; /* K */
 	double heat_share;  /* share of wall friction that heats the material; 0..1, default 0 */
 	double from, until; /* s; active in [from, until); 0, infinity */
 	bool active;        /* true: a wall with `active = false` is left out of the loaded scene */
 	struct scene_place place;
 };
 
-/* Values imposed on nodes (velocity, temperature) or a flux on points inside a box. */
+/* A surface among its surroundings: heat of coefficient (ambient - T) per area. */
+struct scene_convection {
+	double coefficient; /* W/(m2 K); NAN = none */
+	double ambient;     /* K; NAN = by the table */
+	struct scene_series ambient_table; /* K */
+};
+
+/* Values imposed on nodes (velocity, temperature), or heat brought to points, inside a box. */
 struct scene_boundary {
 	char name[SCENE_NAME];
 	double min[2], max[2]; /* m, a box; nodes within 1e-9 cell of it count */
 	double velocity[2];    /* m/s, each NAN = free */
-	double temperature;    /* K; NAN = free */
-	double flux;           /* W/m2 into the material; NAN = none; spread over `layer` */
-	double layer;          /* m, thickness over which the flux enters (virtual layer, eq. 10); default one cell */
+	double temperature;    /* K; NAN = free, or by the table */
+	struct scene_series temperature_table; /* K */
+	double flux;           /* W/m2 into the material; NAN = none, or by the table */
+	struct scene_series flux_table; /* W/m2 */
+	struct scene_convection convection;
+	double layer;          /* m, thickness over which heat enters (virtual layer, eq. 10); default one cell */
 	double from, until;    /* s */
 	struct scene_place place;
 };
@@ -183,7 +221,7 @@ struct scene_stage {
 	double damping;  /* 1/s, added to the particle damping */
 	int n_walls;     /* -1 = all walls; else only these (within their from/until) */
 	int *walls;
-	bool then_zero_velocity, then_zero_ledger; /* `then = [...]`, done when the stage ends */
+	bool then_install_bonds, then_zero_velocity, then_zero_ledger; /* `then = [...]`, done in this order when it ends */
 	struct scene_place place;
 };
 
@@ -282,6 +320,10 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 
 void scene_free(struct scene *scene);
 
+/* Where the face of the wall that the grid follows stands at the start along x (c = 0) or y (1), m: its side nearest to
+ * grid.fixed. */
+double scene_grid_face(const struct scene *scene, int c);
+
 /* Distance between a body's lattice points, m: cell / sqrt(points_per_cell). */
 double scene_body_spacing(const struct scene *scene, const struct scene_body *body);
 
@@ -291,8 +333,18 @@ double scene_body_spacing(const struct scene *scene, const struct scene_body *bo
  * (n entries, m; NULL if none).  STATUS_INPUT for an absurd count, STATUS_RESOURCE for lack of memory. */
 int scene_body_points(const struct scene *scene, const struct scene_body *body, double (**x)[2], int *n);
 
+/* What the temperature gradient of a body adds at a place, K. */
+double scene_body_warming(const struct scene_body *body, const double x[2]);
+
 /* Index of the layer in which height y lies (the top one above all), -1 without layers. */
 int scene_body_layer(const struct scene_body *body, double y);
+
+/* A constant, unless the series has rows: then its value at this time, s. */
+double scene_value_at(double constant, const struct scene_series *series, double time);
+
+bool scene_wall_heats(const struct scene_wall *wall);                     /* imposes a temperature on nodes */
+bool scene_boundary_heats_nodes(const struct scene_boundary *boundary);   /* the same */
+bool scene_boundary_heats_points(const struct scene_boundary *boundary);  /* by a flux or convection */
 
 /* K -> the scene's unit, and back. */
 double scene_temperature_out(const struct scene *scene, double kelvin);

@@ -15,6 +15,7 @@
 struct rve_case {
 	struct rve_model *model;
 	unsigned char *state;
+	double T;                                         /* K, absolute, moves with dT from 0 */
 	double stress[4], heat, conductivity[3], modulus; /* of the last call */
 };
 
@@ -40,6 +41,7 @@ static inline void case_start(struct rve_case *c, const struct rve_params *param
 	const struct rve_packing *const packings[1] = {packing};
 	if (rve_model_create(&c->model, params, 1, packings) != STATUS_OK)
 		fail_msg("%s", error_message());
+	c->T = 0.0;
 	c->state = aligned_alloc(64, rve_state_bytes(c->model));
 	assert_non_null(c->state);
 	assert_int_equal(rve_init(c->model, 0, c->state), STATUS_OK);
@@ -66,11 +68,13 @@ static inline int case_try(struct rve_case *c, const double L[4], double dT, dou
 							  .states = c->state,
 							  .L = (const double(*)[4])L,
 							  .dT = &dT,
+							  .T = &c->T,
 							  .dt = dt,
 							  .stress = &c->stress,
 							  .heat = &c->heat,
 							  .conductivity = &c->conductivity,
 							  .modulus = &c->modulus};
+	c->T += dT;
 	return rve_advance(c->model, &batch);
 }
 

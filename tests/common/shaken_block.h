@@ -22,6 +22,7 @@ static inline struct scene *shaken_scene(struct elastic_scene *s, const struct s
 	int cells_x = (int)(b->columns * spacing + (b->drift > 0.0 ? 12.0 : 6.0)) + 1;
 	struct scene *scene = elastic_scene_init(s, cells_x, (int)(b->rows * spacing) + 7, 1.0, 1.0, nu, 1.0, courant / c);
 	snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "%s", b->shape);
+	s->laws[0].thermoelastic.neo_hookean = true; /* has no bound of its own that would hide the others */
 	struct scene_body *body =
 		elastic_scene_box(s, b->points_per_cell, x, y, x + b->columns * spacing, y + b->rows * spacing);
 	body->lattice_origin[0] = b->offset[0], body->lattice_origin[1] = b->offset[1];

@@ -38,6 +38,25 @@ def laws(f, cfg):
     expect(not os.path.exists(f("x.csv")), "a refused load has written")
 
 
+def bonds(f):
+    """Bonds that a stage installs, that soften (and then melt) as the column is heated from below."""
+    cfg = f.write("bonded.cfg", """base = "s.cfg";
+        set = ("materials.[0].law.bonds={ strength = 0.05; melting = 30.0; softening = \\"linear\\"; reference = 20.0; }",
+               "materials.[0].conductivity=6e4",
+               "boundaries=( { name = \\"hot\\"; box = [0.0, 0.1, 1.0, 0.1]; temperature = 40.0; from = 0.03; } )",
+               "stages=( { name = \\"settle\\"; duration = 0.02; damping = 20.0; then = (\\"install_bonds\\"); }, { name = \\"go\\"; } )");
+    """)
+    for softening, melting in (("linear", 30.0), ("step", 27.5)):
+        law = "materials.[0].law.bonds."
+        replayed(f, cfg, "--set", law + "softening=" + softening, "--set", "%smelting=%g" % (law, melting))
+        share = [float(cell) for cell in cells(f("out", "history.csv"), "A.bond_fraction")]
+        path = f("out", "rve", "A_path.csv")
+        expect([row for row, flag in enumerate(cells(path, "bonds")) if flag != "0"] == [199], "installed elsewhere in the path")
+        expect(share[199] == 0.0 and share[200] == 1.0, "bonds are not there after their stage")
+        expect(float(cells(path, "T")[-1]) > 300.0, "nothing has been heated")
+        expect(share[-1] == 0.0 if softening == "step" else 0.0 < share[-1] < 0.9, "bonds have not melted: %s" % share[::50])
+
+
 with Folder() as f:
     cfg = f.write("s.cfg", COLUMN.replace("history_every = 0.001", "history_every = 1e-4"))
     replayed(f, cfg)
@@ -45,3 +64,4 @@ with Folder() as f:
     # a body that is born warmer than its reference: the path begins with that
     replayed(f, cfg, "--set", "materials.[0].reference_temperature=15.0", before=1)
     laws(f, cfg)
+    bonds(f)

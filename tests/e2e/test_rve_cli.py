@@ -261,8 +261,8 @@ class RveCommands(unittest.TestCase):
         self.refused("the file says them", *load, "--load", "path", "--path", "p.csv", "--rate", 1)
         self.refused("--lateral is missing", *load, "--load", "biaxial", "--rate", 1, "--strain", 0.1)
         self.refused('--rows is "0"', *iso, "--rate", 1, "--strain", 1, "--rows", 0)
-        self.refused("bonds come with the next release", *iso, "--rate", 1, "--strain", 1, "--bond-beta", 0.02)
-        self.refused("bonds come with the next release", *iso, "--rate", 1, "--strain", 1, "--mu-bond", 0.5)
+        self.refused("--bond-beta is 0.2, expected less than the skin of 0.2", *iso, "--rate", 1, "--strain", 1, "--bond-beta", 0.2)
+        self.refused('--mu-bond is "-1", expected a ratio', *iso, "--rate", 1, "--strain", 1, "--mu-bond", -1)
         self.refused("--packing is missing", "load", "--load", "isochoric", "--rate", 1, "--strain", 1, "--out", "x.csv")
         self.refused("expected a name that ends in .csv", "load", "--packing", "small.csv", "--load", "isochoric", "--rate",
                      1, "--strain", 1, "--out", "x.h5")

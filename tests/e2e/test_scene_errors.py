@@ -50,6 +50,8 @@ WRONG = [
     ("density = 1000.0;", "density = 1e999;", r"density is inf, expected a finite number"),
     ("poisson = 0.3;", "poisson = 0.6;", r"poisson is 0\.6, expected a number between -1 and 0\.5"),
     ("poisson = 0.3;", "", r"poisson is missing, expected a number between -1 and 0\.5"),
+    ("poisson = 0.3;", 'poisson = 0.3; elasticity = "neo_hookean"; plane = "stress";',
+     r'plane is "stress", expected "strain" with elasticity = "neo_hookean"'),
     ("step = 1e-4;", "step = 0.0;", r"time\.step is 0, expected a number > 0 \(s\)"),
     ("step = 1e-4;", "step = 5e-3;", r"time\.step is 0\.005 s, over the limit of material 'rubber', expected at most"),
     ("end = 0.01;", "end = 1e-6;", r"time\.end is 1e-06 s, expected at least one step"),

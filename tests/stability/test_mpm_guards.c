@@ -12,6 +12,7 @@
 #include "../common/elastic_scene.h"
 #include "../common/near.h"
 #include "base/error.h"
+#include "base/mat2.h"
 #include "mpm/mpm.h"
 #include "mpm/mpm_private.h"
 
@@ -270,6 +271,50 @@ static void test_law_guard(void **state)
 	mpm_free(mpm);
 }
 
+static double largest_stretch(const struct mpm *mpm)
+{
+	double most = 0.0, e[3];
+	for (int k = 0; k < mpm->p.n; k++) {
+		mat2_log_stretch(mpm->p.F[k], e);
+		most = fmax(most, exp(0.5 * (e[0] + e[1]) + hypot(0.5 * (e[0] - e[1]), e[2])));
+	}
+	return most;
+}
+
+/* A block that flies apart: the Hencky law stops the run where its points pass a stretch of 1.3956, with the books
+ * still in order; the neo-Hookean law goes on to twice the stretch. */
+static void test_stretched_too_far(void **state)
+{
+	(void)state;
+	for (int neo_hookean = 0; neo_hookean < 2; neo_hookean++) {
+		struct elastic_scene s;
+		struct scene *scene = elastic_scene_init(&s, 40, 10, 0.05, 1e3, 0.3, 1000.0, 1e-4);
+		s.laws[0].thermoelastic.neo_hookean = neo_hookean;
+		elastic_scene_box(&s, 4, 0.75, 0.15, 1.25, 0.35);
+		struct mpm *mpm = start(scene);
+		for (int k = 0; k < mpm->p.n; k++)
+			mpm->p.v[k][0] = 4.0 * (mpm->p.x[k][0] - 1.0);
+		ledger_start(mpm);
+		int status = STATUS_OK;
+		double most = 1.0;
+		while (status == STATUS_OK && most < 2.0) {
+			status = mpm_step(mpm);
+			most = largest_stretch(mpm);
+		}
+		mpm_measure(mpm);
+		assert_near(mpm->ledger.energy_residual, 0.0, 1e-3 * mpm_work(mpm)->total.scale);
+		assert_int_equal(status, neo_hookean ? STATUS_OK : STATUS_GUARD);
+		if (!neo_hookean) {
+			assert_near(most, 1.3956, 1e-3);
+			assert_says("leaves its domain of validity");
+			assert_says("step ");
+			assert_says(": point ");
+			assert_says("cure: elasticity = \"neo_hookean\"");
+		}
+		mpm_free(mpm);
+	}
+}
+
 /* The ledger of a block that falls on a floor, slides and bounces closes; with 1% too much internal force it does not,
  * and the run stops. */
 static void test_planted_error(void **state)
@@ -347,11 +392,12 @@ static void test_stages(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_threads),       cmocka_unit_test(test_restart),
-		cmocka_unit_test(test_step_limit),    cmocka_unit_test(test_thermal_limit),
-		cmocka_unit_test(test_leaving),       cmocka_unit_test(test_not_a_number),
-		cmocka_unit_test(test_law_guard),     cmocka_unit_test(test_planted_error),
-		cmocka_unit_test(test_point_in_wall), cmocka_unit_test(test_stages),
+		cmocka_unit_test(test_threads),           cmocka_unit_test(test_restart),
+		cmocka_unit_test(test_step_limit),        cmocka_unit_test(test_thermal_limit),
+		cmocka_unit_test(test_leaving),           cmocka_unit_test(test_not_a_number),
+		cmocka_unit_test(test_law_guard),         cmocka_unit_test(test_planted_error),
+		cmocka_unit_test(test_point_in_wall),     cmocka_unit_test(test_stages),
+		cmocka_unit_test(test_stretched_too_far),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

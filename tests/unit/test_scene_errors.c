@@ -121,6 +121,30 @@ static const struct {
 	{"[0.5, 0.3, 1.0, 0.3]", "[0.52, 0.32, 0.58, 0.38]", "boundaries.[0].box holds no node of the grid"},
 	{"temperature = 50", "from = 1", "boundaries.[0] imposes nothing"},
 	{"friction = 0.5", "from = 1; until = 0.5", "walls.[0].until is 0.5 s, expected more than from = 1 s"},
+	/* heat */
+	{"conductivity = 2;", "conductivity = 2; latent_heat = 5;",
+	 "materials.[0].latent_heat is given though the material does not freeze, expected freezing ="},
+	{"conductivity = 2;", "conductivity = 2; freezing = [1.0, 0.0];",
+	 "materials.[0].freezing falls, expected two temperatures"},
+	{"conductivity = 2;", "conductivity = 2; freezing = [-300.0, 0.0];",
+	 "materials.[0].freezing holds -300, below absolute zero, expected at least -273.15 C"},
+	{"conductivity = 2;", "conductivity = 2; freezing = -1.0;", "materials.[0].freezing is a number, expected two"},
+	{"temperature = 50", "temperature_table = ([0.0, 50.0])",
+	 "boundaries.[0].temperature_table has 1 row, expected rows ([s, value], [s, value], ...), two at least"},
+	{"temperature = 50", "temperature_table = ([0.0, 50.0], [0.0, 60.0])",
+	 "boundaries.[0].temperature_table goes from 0 s to 0 s, expected rows"},
+	{"temperature = 50", "temperature_table = ([0.0, 50.0], [1.0, -300.0])",
+	 "boundaries.[0].temperature_table holds -300, below absolute zero"},
+	{"temperature = 50", "temperature = 50; temperature_table = ([0, 50], [1, 60])",
+	 "boundaries.[0].temperature is given beside boundaries.[0].temperature_table, expected one of the two"},
+	{"temperature = 50", "convection = { coefficient = 5; }", "boundaries.[0].convection has no ambient"},
+	{"temperature = 50", "convection = { ambient = 5; }", "boundaries.[0].convection has no coefficient"},
+	{"friction = 0.5", "temperature = 5; temperature_table = ([0, 50], [1, 60])",
+	 "walls.[0].temperature is given beside walls.[0].temperature_table"},
+	{"temperature = 25", "temperature_gradient = [-1e3, 0.0]",
+	 "bodies.[0].temperature_gradient cools the body to -206.85 K at (1, 0.3), expected no temperature below"},
+	{"mpm = { shape = \"ugimp\"; };", "thermal = { time_scale = 0; };",
+	 "thermal.time_scale is 0, expected a number > 0"},
 	/* references */
 	{"law = \"law\"", "law = \"lav\"",
 	 "materials.[0].law \"lav\" is not defined, expected a name in laws (did you mean \"law\"?)"},
@@ -139,6 +163,20 @@ static const struct {
 	{"{ name = \"t\"; }", "{ name = \"t\"; duration = 0.5; }", "ends the stages at 1.5 s, before time.end = 2 s"},
 	{"duration = 1.0;", "duration = 1.0; then = (\"explode\");",
 	 "stages.[0].then holds \"explode\", expected a list of"},
+	/* bonds */
+	{"duration = 1.0;", "duration = 1.0; then = (\"install_bonds\");",
+	 "stages.[0].then installs bonds, expected a law of type \"rve\" with bonds = {"},
+	{"packing = { pressure = 1e4; };", "packing = { pressure = 1e4; }; bonds = { strength = 0.02; };",
+	 "bonds of law 'g' are never installed, expected a stage with then = (\"install_bonds\"), or strength = 0"},
+	{"packing = { pressure = 1e4; };", "packing = { pressure = 1e4; }; bonds = { strength = 0.2; };",
+	 "materials.[1].law.bonds.strength is 0.2, expected less than skin = 0.2"},
+	{"packing = { pressure = 1e4; };", "packing = { pressure = 1e4; }; bonds = { softening = \"linear\"; };",
+	 "materials.[1].law.bonds.melting is missing, expected the temperature at which linear softening ends"},
+	{"packing = { pressure = 1e4; };",
+	 "packing = { pressure = 1e4; }; bonds = { softening = \"linear\"; melting = -5.0; };",
+	 "materials.[1].law.bonds.reference is 0 C, expected less than melting = -5 C"},
+	{"packing = { pressure = 1e4; };", "packing = { pressure = 1e4; }; bonds = { melting = -300.0; };",
+	 "materials.[1].law.bonds.melting is -300, below absolute zero"},
 	{"at = [0.7, 0.5]", "at = [0.7, 1.5]", "probes.[0].at is (0.7, 1.5), outside the grid"},
 	{"at = [0.7, 0.5]", "material = [0.7, 0.8]", "probes.[0].material is (0.7, 0.8), in no body"},
 	{"at = [0.7, 0.5]", "id = 99999", "probes.[0].id is 99999, expected a point from 0 to"},
@@ -261,6 +299,10 @@ static void messages_elsewhere(void **state)
 	EXPECT("	cell = 0.1;\n", "", "2: grid.cell is missing, expected a number > 0 (m): edge of the square cells");
 	EXPECT("conductivity = 2", "conductivity = 1e9",
 		   "9: time.step makes thermal steps of 0.0001 s, over the limit of material 'm', expected at most 2.5e-06 s");
+	EXPECT("conductivity = 2", "conductivity = 2; freezing = [0, 0]; conductivity_frozen = 1e9",
+		   "9: time.step makes thermal steps of 0.0001 s, over the limit of material 'm', expected at most 2.5e-06 s");
+	EXPECT("mpm = { shape = \"ugimp\"; };", "thermal = { time_scale = 3e10; };",
+		   "9: time.step makes thermal steps of 3e+06 s, over the limit of material 'm', expected at most 1250 s");
 	EXPECT("[0, 0.3], [2, 0.3]", "[2, 0.3], [0, 0.3]",
 		   "22: walls.[0].line stands in body 'b' at the start: 40 of its points are in the solid",
 		   "22: walls.[0].line stands in body 'c' at the start:");
@@ -274,6 +316,17 @@ static void messages_elsewhere(void **state)
 	EXPECT("grid = {", "grd = {", "2: grd is not known, expected another key (did you mean 'grid'?)");
 	EXPECT("cell = 0.1;", "", "2: grid.cell is missing");
 	EXPECT("mpm = {", "mpm = {{", "11: '{' is never closed");
+}
+
+/* Keys that do not go together, however far apart they stand. */
+static void opposites(void **state)
+{
+	(void)state;
+	const char *sets[] = {"time.thermal_steps=4", "materials.m.freezing=[0, 0]"};
+	write_scene(good);
+	char *messages = refusal(2, sets);
+	assert_non_null(strstr(messages, "time.thermal_steps is 4 though material 'm' freezes, expected 1"));
+	free(messages);
 }
 
 /* All errors of a file, in the order of its lines, whatever kind they are. */
@@ -314,6 +367,31 @@ static void all_errors_are_reported(void **state)
 	}
 	assert_string_equal(at, "");
 	free(messages);
+}
+
+static void grid_that_follows(void **state)
+{
+	(void)state;
+	static const char *const cases[][4] = {
+		{"follow=\"roof\"", "fixed=[0, 0.3]", "[0, 0]",
+		 "grid.follow is wall 'roof', which does not move, expected a wall with a velocity"},
+		{"follow=\"rof\"", "fixed=[0, 0.3]", "[0, -1]",
+		 "grid.follow \"rof\" is not defined, expected a name in walls (did you mean \"roof\"?)"},
+		{"follow=\"roof\"", "fixed=[0, 0.33]", "[0, -1]", "grid.fixed is y = 0.33 m, between two rows of nodes"},
+		{"follow=\"roof\"", "fixed=[0.5, 0]", "[-1, 0]", "grid.fixed is x = 0.5 m, on the face of wall 'roof'"},
+	};
+	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+		char sets[3][64];
+		const char *list[] = {sets[0], sets[1], sets[2]};
+		snprintf(sets[0], sizeof sets[0], "grid.%s", cases[k][0]);
+		snprintf(sets[1], sizeof sets[1], "grid.%s", cases[k][1]);
+		snprintf(sets[2], sizeof sets[2], "walls.roof.velocity=%s", cases[k][2]);
+		write_scene(good);
+		char *messages = refusal(3, list);
+		if (!strstr(messages, cases[k][3]))
+			fail_msg("expected %s, got\n%s", cases[k][3], messages);
+		free(messages);
+	}
 }
 
 static void wrong_overrides(void **state)
@@ -399,9 +477,14 @@ static void unreadable_files(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(the_good_scene_is_good), cmocka_unit_test(one_slip_gives_one_message),
-		cmocka_unit_test(messages_elsewhere),     cmocka_unit_test(all_errors_are_reported),
-		cmocka_unit_test(wrong_overrides),        cmocka_unit_test(wrong_variants),
+		cmocka_unit_test(the_good_scene_is_good),
+		cmocka_unit_test(one_slip_gives_one_message),
+		cmocka_unit_test(messages_elsewhere),
+		cmocka_unit_test(all_errors_are_reported),
+		cmocka_unit_test(opposites),
+		cmocka_unit_test(grid_that_follows),
+		cmocka_unit_test(wrong_overrides),
+		cmocka_unit_test(wrong_variants),
 		cmocka_unit_test(unreadable_files),
 	};
 	return cmocka_run_group_tests(tests, make_file, remove_file);

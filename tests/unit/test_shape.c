@@ -10,7 +10,7 @@
 #include "../common/near.h"
 #include "mpm/shape.h"
 
-static const struct shape_grid grid = {{-0.3, 0.1}, 1.0 / 0.25, 12};
+static const struct shape_grid grid = {{-0.3, 0.1}, {1.0 / 0.25, 1.0 / 0.25}, 12};
 static const double side_half[4] = {0.5, 0.25, 0.5 / 3, 0.125};
 
 /* Pseudo-random number in [0, 1). */
@@ -28,7 +28,7 @@ static void fill_one(const struct shape *shape, const double x[2], int size, str
 
 static double node_x(int node, int c)
 {
-	return grid.origin[c] + (c ? node / grid.nx : node % grid.nx) / grid.inverse_h;
+	return grid.origin[c] + (c ? node / grid.nx : node % grid.nx) / grid.inverse_h[c];
 }
 
 static void test_sums(void **state)
