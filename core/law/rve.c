@@ -50,11 +50,12 @@ static int make_model(struct law *law, const struct scene_law *scene, int n)
 {
 	struct rve_params params;
 	struct rve_model *model = NULL;
+	rve_params_from_scene(&params, &scene->rve);
+	CHECK(rve_params_check(&params)); /* before packings are made for nothing */
 	struct rve_packing **packings = calloc((size_t)n, sizeof *packings);
 	int status = packings ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for %d packings", n);
 	for (int v = 0; v < n && status == STATUS_OK; v++)
 		status = rve_packing_from_scene(&packings[v], &scene->rve, v);
-	rve_params_from_scene(&params, &scene->rve);
 	if (status == STATUS_OK)
 		status = rve_model_create(&model, &params, n, (const struct rve_packing *const *)packings);
 	for (int v = 0; packings && v < n; v++)
