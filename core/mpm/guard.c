@@ -32,6 +32,13 @@ static void find_limits(const struct mpm *mpm, double *wave, int *stiffest, doub
 	*heat = thermal * t->thermal_steps / t->thermal_every / mpm->scene->thermal.time_scale;
 }
 
+/* What is left when a guard fires on the way to the grid: USF has already strained the points. */
+static const char *state_at(const struct mpm *mpm, int status)
+{
+	return mpm->scene->mpm.order == MPM_USF && status == STATUS_GUARD ? "within the step, not fit to go on from"
+																	  : "start of the step";
+}
+
 /* Where a shape has a bound for lone points its limit follows the points slowly, and a scene that begins above it is
  * wrong from the start; without one it may come and go as points cross grid cells: the growth decides. */
 static int guard_motion(const struct mpm *mpm, int status, double wave, int stiffest)
@@ -46,19 +53,20 @@ static int guard_motion(const struct mpm *mpm, int status, double wave, int stif
 		return error_set(
 			status,
 			"%s: time.step = %.4g s is above the limit %.4g s = %g h sqrt(rho/M) with M = %.4g Pa, rho = %.4g "
-			"kg/m3; cure: time.step of %.2g s or less, or a larger grid.cell (state: start of the step)",
-			text, dt, wave, b, p->modulus[stiffest], density, fmin(wave, lattice));
+			"kg/m3; cure: time.step of %.2g s or less, or a larger grid.cell (state: %s)",
+			text, dt, wave, b, p->modulus[stiffest], density, fmin(wave, lattice), state_at(mpm, status));
 	}
 	bool bounded = isfinite(mpm->shape->lone(0.25)), starts = status == STATUS_INPUT;
 	if (starts ? bounded && w->limit.motion > 2.0 : w->limit.growth > log(GROWTH_MOST)) {
 		where(mpm, starts ? w->limit.stiffest : w->limit.grown, text);
 		return error_set(status,
 						 "%s: time.step = %.4g s is above the limit %.4g s = %g sqrt(2)/w of the points as they lie in "
-						 "their grid cells; cure: %s (state: start of the step)",
+						 "their grid cells; cure: %s (state: %s)",
 						 text, dt, lattice, b,
 						 bounded ? "that time.step or less, or a larger grid.cell"
 								 : "mpm.shape = \"ugimp\": the linear shape has no safe step for a point that has just "
-								   "entered a grid cell");
+								   "entered a grid cell",
+						 state_at(mpm, status));
 	}
 	return STATUS_OK;
 }
@@ -73,19 +81,19 @@ static int guard_heat(const struct mpm *mpm, int status, double heat, int diffus
 		return error_set(
 			status,
 			"%s: time.step = %.4g s is above the limit of heat conduction %.4g s (rho c h^2/2k%s, %g thermal steps "
-			"in %d, thermal.time_scale %g); cure: time.step of %.2g s or less, or time.thermal_steps = %d (state: "
-			"start of the step)",
+			"in %d, thermal.time_scale %g); cure: time.step of %.2g s or less, or time.thermal_steps = %d (state: %s)",
 			text, dt, heat,
 			mpm_convection_as_conduction(mpm, diffusive, 1.0) > 0.0 ? ", less what convection takes" : "", passes,
-			mpm->scene->time.thermal_every, mpm->scene->thermal.time_scale, heat, (int)ceil(dt / heat * passes));
+			mpm->scene->time.thermal_every, mpm->scene->thermal.time_scale, heat, (int)ceil(dt / heat * passes),
+			state_at(mpm, status));
 	}
 	if (passes > 1.0 && w->limit.heat > 2.0) {
 		where(mpm, w->limit.hottest, text);
 		return error_set(
 			status,
 			"%s: time.thermal_steps = %g are too few for heat conduction on the points as they lie in their "
-			"grid cells; cure: time.thermal_steps = %d, or a smaller time.step (state: start of the step)",
-			text, passes, (int)ceil(0.5 * w->limit.heat * passes));
+			"grid cells; cure: time.thermal_steps = %d, or a smaller time.step (state: %s)",
+			text, passes, (int)ceil(0.5 * w->limit.heat * passes), state_at(mpm, status));
 	}
 	return STATUS_OK;
 }
@@ -94,14 +102,15 @@ int guard_step(struct mpm *mpm, int status)
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	char text[160];
+	const char *state = state_at(mpm, status);
 	for (int s = 0; s < w->n_stripes; s++)
 		if (w->stripe_sums[s].bad >= 0) {
 			where(mpm, w->stripe_sums[s].bad, text);
 			return error_set(
 				STATUS_GUARD,
 				"%s: its stress, modulus or temperature is not a number; cure: a smaller time.step, and check "
-				"the law's parameters (state: start of the step)",
-				text);
+				"the law's parameters (state: %s)",
+				text, state);
 		}
 	double wave, heat, dt = mpm->scene->time.step;
 	int stiffest, diffusive;
@@ -205,9 +214,8 @@ int guard_energy(struct mpm *mpm)
 	return error_set(
 		STATUS_GUARD,
 		"step %lld, t = %.6g s: the time integration has made %.3g J of nothing, %.3g%% of the work done (%.3g J), "
-		"allowed %.3g%%: it is unstable; cure: a smaller time.step, or guards.energy_created (state: start of the "
-		"step)",
-		mpm->step, mpm->time, created, 100.0 * created / scale, scale, 100.0 * bound);
+		"allowed %.3g%%: it is unstable; cure: a smaller time.step, or guards.energy_created (state: %s)",
+		mpm->step, mpm->time, created, 100.0 * created / scale, scale, 100.0 * bound, state_at(mpm, STATUS_GUARD));
 }
 
 int guard_law(const struct mpm *mpm, int status, int point)

@@ -78,6 +78,7 @@ static const struct shape shape_linear = {
 	.name = "linear",
 	.doc = "bilinear, 4 nodes; the cheapest; points that cross grid cells make noise",
 	.max_nodes = 4,
+	.affine_by_gradient = true,
 	.reach = 0,
 	.support = linear_support,
 	.lone = linear_lone,
