@@ -11,6 +11,7 @@
 #include "run/bench.h"
 #include "run/run.h"
 #include "rve/cli.h"
+#include "study/study.h"
 #include "version.h"
 
 enum { SETS_MOST = 256 };
@@ -30,13 +31,18 @@ static const char help[] =
 	"      makes packings, loads one RVE alone (tmdempm rve --help)\n"
 	"  tmdempm exact [NAME [--set parameter=value]... --at x,y --times a,b,c|from:to:n]\n"
 	"      exact solutions: what there is, or values as CSV\n"
+	"  tmdempm study FILE.cfg... [--out DIR] [--jobs N] [--set path=value]... [--fresh] [--no-charts] [--list]\n"
+	"      runs studies: many settings of a scene, their errors against their cost; each goes to a folder of its own\n"
+	"      below DIR (default: study.out here); what is done is not repeated unless it is --fresh; --list only says\n"
+	"      what would be run; tmdempm study --keys explains the file\n"
 	"  tmdempm bench rve|mpm|image [--json]\n"
 	"      measures this machine\n"
 	"  tmdempm --help | --version\n"
 	"\n"
 	"Lists are addressed by index: --set 'walls.[2].friction=0.3'.\n"
 	"SIGINT and SIGTERM finish the step, save and leave; SIGUSR1 saves a checkpoint and goes on.\n"
-	"Exit codes: 0 done, 2 bad usage or input, 3 stopped by a stability guard (checkpoint saved),\n"
+	"Exit codes: 0 done, 2 bad usage or input, 3 stopped by a stability guard (checkpoint saved), or a study's gate "
+	"missed,\n"
 	"4 resource or I/O error, 130 interrupted (checkpoint saved).\n";
 
 static int usage(const char *format, const char *what)
@@ -62,13 +68,13 @@ static int usage_option(const char *command, int result, char *const *argv)
 	return usage("%s", text);
 }
 
-static int parse_threads(int *threads, const char *text)
+static int parse_count(int *count, const char *option, const char *text)
 {
 	char *end;
 	long n = strtol(text, &end, 10);
 	if (*end || end == text || n < 1 || n > 4096)
-		return usage("--threads %s: expected a whole number, 1 .. 4096", text);
-	*threads = (int)n;
+		return error_set(STATUS_INPUT, "%s %s: expected a whole number, 1 .. 4096", option, text);
+	*count = (int)n;
 	return STATUS_OK;
 }
 
@@ -139,7 +145,7 @@ static int command_run(int argc, char **argv)
 			CHECK(parse_set(sets, &options.n_sets, optarg));
 			break;
 		case 't':
-			CHECK(parse_threads(&options.threads, optarg));
+			CHECK(parse_count(&options.threads, "--threads", optarg));
 			break;
 		case 'd':
 			CHECK(parse_device(optarg));
@@ -179,7 +185,7 @@ static int command_check(int argc, char **argv)
 		if (c == 's')
 			CHECK(parse_set(sets, &n_sets, optarg));
 		else if (c == 't')
-			CHECK(parse_threads(&threads, optarg));
+			CHECK(parse_count(&threads, "--threads", optarg));
 		else if (c == 'h')
 			return fputs(help, stdout), STATUS_OK;
 		else
@@ -187,6 +193,52 @@ static int command_check(int argc, char **argv)
 	}
 	CHECK(take_scene("check", argc, argv, &scene));
 	return run_check(scene, n_sets, sets, threads);
+}
+
+static int command_study(int argc, char **argv)
+{
+	static const struct option long_options[] = {{"out", required_argument, NULL, 'o'},
+												 {"jobs", required_argument, NULL, 'j'},
+												 {"set", required_argument, NULL, 's'},
+												 {"fresh", no_argument, NULL, 'f'},
+												 {"no-charts", no_argument, NULL, 'n'},
+												 {"list", no_argument, NULL, 'l'},
+												 {"keys", no_argument, NULL, 'k'},
+												 {"help", no_argument, NULL, 'h'},
+												 {NULL, 0, NULL, 0}};
+	const char *sets[SETS_MOST];
+	struct study_options options = {.out = "study.out", .jobs = 1, .sets = sets};
+	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
+		switch (c) {
+		case 'o':
+			options.out = optarg;
+			break;
+		case 'j':
+			CHECK(parse_count(&options.jobs, "--jobs", optarg));
+			break;
+		case 's':
+			CHECK(parse_set(sets, &options.n_sets, optarg));
+			break;
+		case 'f':
+			options.fresh = true;
+			break;
+		case 'n':
+			options.no_charts = true;
+			break;
+		case 'l':
+			options.list = true;
+			break;
+		case 'k':
+			return study_print_keys(stdout), STATUS_OK;
+		case 'h':
+			return fputs(help, stdout), STATUS_OK;
+		default:
+			return usage_option("study", c, argv);
+		}
+	}
+	if (optind == argc)
+		return usage("%s", "study: which study? expected tmdempm study FILE.cfg...");
+	return study_run(argc - optind, argv + optind, &options);
 }
 
 /* Commands whose only option is --json; *word is their one argument, or NULL. */
@@ -238,11 +290,8 @@ int main(int argc, char **argv)
 	static const struct {
 		const char *name;
 		int (*command)(int argc, char **argv);
-	} commands[] = {{"run", command_run},
-					{"check", command_check},
-					{"info", command_info},
-					{"bench", command_bench},
-					{"exact", cli_exact}};
+	} commands[] = {{"run", command_run},     {"check", command_check}, {"info", command_info},
+					{"bench", command_bench}, {"study", command_study}, {"exact", cli_exact}};
 	h5_start();
 	const char *name = argc > 1 ? argv[1] : "";
 	if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help"))
@@ -251,8 +300,8 @@ int main(int argc, char **argv)
 		return printf("tmdempm %s\n", TMDEMPM_VERSION), STATUS_OK;
 	if (!strcmp(name, "rve"))
 		return cli_rve(argc - 1, argv + 1);
-	int status = *name ? usage("`%s` is no command: expected run, check, info, rve, exact or bench", name)
-					   : usage("%s", "which command? expected run, check, info, rve, exact or bench");
+	int status = *name ? usage("`%s` is no command: expected run, check, info, rve, exact, study or bench", name)
+					   : usage("%s", "which command? expected run, check, info, rve, exact, study or bench");
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
 		if (!strcmp(name, commands[i].name))
 			status = commands[i].command(argc - 1, argv + 1);

@@ -19,10 +19,12 @@ const struct field exact_fields[EXACT_FIELDS] = {
 	[EXACT_STRESS_XY] = {"stress_xy", "Pa", 1, "Cauchy stress"},
 };
 
-extern const struct exact_solution exact_danilovskaya, exact_rod, exact_square, exact_half_space, exact_plate;
+extern const struct exact_solution exact_danilovskaya, exact_rod, exact_square, exact_half_space, exact_plate,
+	exact_neumann, exact_cooling;
 
 const struct exact_solution *const exact_solutions[] = {
-	&exact_danilovskaya, &exact_rod, &exact_square, &exact_half_space, &exact_plate, NULL,
+	&exact_danilovskaya, &exact_rod,     &exact_square,  &exact_half_space,
+	&exact_plate,        &exact_neumann, &exact_cooling, NULL,
 };
 
 const struct exact_solution *exact_find(const char *name)

@@ -196,6 +196,24 @@ int h5_read(hid_t parent, const char *name, hid_t type, hsize_t count, void *dat
 	return status;
 }
 
+int h5_size(hid_t parent, const char *name, hsize_t *rows, hsize_t *columns, const char *path)
+{
+	hsize_t size[2] = {0, 1};
+	if (!h5_has(parent, name))
+		return error_set(STATUS_INPUT, "%s holds no `%s`", path, name);
+	hid_t set = H5Dopen2(parent, name, H5P_DEFAULT);
+	if (set < 0)
+		return h5_fail("read", path);
+	hid_t space = H5Dget_space(set);
+	int rank = H5Sget_simple_extent_ndims(space);
+	if (rank == 1 || rank == 2)
+		H5Sget_simple_extent_dims(space, size, NULL);
+	H5Sclose(space);
+	H5Dclose(set);
+	*rows = size[0], *columns = size[1];
+	return rank == 1 || rank == 2 ? STATUS_OK : error_set(STATUS_INPUT, "%s: `%s` is no table", path, name);
+}
+
 int h5_read_text(hid_t parent, const char *name, char **text, const char *path)
 {
 	*text = NULL;

@@ -44,6 +44,9 @@ int h5_attribute_text(hid_t parent, const char *object, const char *name, const 
 int h5_attribute_number(hid_t parent, const char *object, const char *name, double value);
 int h5_attribute_integer(hid_t parent, const char *object, const char *name, long long value);
 
+/* Rows and columns (1 of a dataset of rank 1) of a dataset. */
+int h5_size(hid_t parent, const char *name, hsize_t *rows, hsize_t *columns, const char *path);
+
 /* Reads exactly `count` values into data; `path` names the file in messages. */
 int h5_read(hid_t parent, const char *name, hid_t type, hsize_t count, void *data, const char *path);
 int h5_read_text(hid_t parent, const char *name, char **text, const char *path); /* free() it */

@@ -20,7 +20,7 @@ static void box_nodes(const struct mpm *mpm, const struct scene_boundary *b, int
 	}
 }
 
-static void impose(struct mpm *mpm, const struct scene_boundary *b)
+static void impose(struct mpm *mpm, const struct scene_boundary *b, double temperature)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	int low[2], high[2];
@@ -31,8 +31,8 @@ static void impose(struct mpm *mpm, const struct scene_boundary *b)
 			for (int c = 0; c < 2; c++)
 				if (w->fixed_v && !isnan(b->velocity[c]))
 					w->fixed_v[node][c] = b->velocity[c];
-			if (w->fixed_T && !isnan(b->temperature))
-				w->fixed_T[node] = b->temperature, w->fixed_T_wall[node] = -1;
+			if (w->fixed_T && !isnan(temperature))
+				w->fixed_T[node] = temperature, w->fixed_T_wall[node] = -1;
 		}
 }
 
@@ -54,7 +54,7 @@ static void rebuild(struct mpm *mpm)
 			w->fixed_v[k][0] = w->fixed_v[k][1] = NAN;
 	}
 	for (int e = 0; w->fixed_T && e < w->n_wall_nodes; e++) {
-		double T = mpm->scene->walls[w->wall_nodes[e].wall].temperature;
+		double T = w->wall_T[w->wall_nodes[e].wall];
 		if (!isnan(T)) {
 			w->fixed_T[w->wall_nodes[e].node] = T;
 			w->fixed_T_wall[w->wall_nodes[e].node] = w->wall_nodes[e].wall;
@@ -62,10 +62,46 @@ static void rebuild(struct mpm *mpm)
 	}
 	for (int b = 0; b < mpm->scene->n_boundaries; b++)
 		if (w->boundary_on[b])
-			impose(mpm, &mpm->scene->boundaries[b]);
+			impose(mpm, &mpm->scene->boundaries[b], w->boundary_T[b]);
 	w->imposes_T = false;
 	for (size_t k = 0; w->fixed_T && k < nodes; k++)
 		w->imposes_T = w->imposes_T || !isnan(w->fixed_T[k]);
+}
+
+/* Takes a new value; true if it differs. */
+static bool renew(double *held, double value)
+{
+	bool same = *held == value || (isnan(*held) && isnan(value));
+	*held = value;
+	return !same;
+}
+
+/* Values of this step's thermal pass: temperatures at its end, fluxes and ambients at the middle of the time that it
+ * covers, which is exact for a table's straight lines. */
+static void update_heat(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	const struct scene *scene = mpm->scene;
+	double end = mpm->time + mpm->dt, middle = end - 0.5 * mpm->dt * scene->time.thermal_every;
+	for (int wall = 0; wall < scene->n_walls; wall++) {
+		const struct scene_wall *s = &scene->walls[wall];
+		if (renew(&w->wall_T[wall], scene_value_at(s->temperature, &s->temperature_table, end)))
+			w->boundaries_stale = true;
+	}
+	for (int b = 0; b < scene->n_boundaries; b++) {
+		const struct scene_boundary *s = &scene->boundaries[b];
+		if (renew(&w->boundary_T[b], scene_value_at(s->temperature, &s->temperature_table, end)))
+			w->boundaries_stale = true;
+	}
+	for (int f = 0; f < w->n_point_heats; f++) {
+		struct point_heat *heat = &w->point_heats[f];
+		const struct scene_convection *c = &heat->boundary->convection;
+		double flux = scene_value_at(heat->boundary->flux, &heat->boundary->flux_table, middle);
+		heat->flux = isnan(flux) ? 0.0 : flux;
+		heat->coefficient = isnan(c->coefficient) ? 0.0 : c->coefficient;
+		heat->ambient = heat->coefficient > 0.0 ? scene_value_at(c->ambient, &c->ambient_table, middle) : 0.0;
+		heat->on = w->boundary_on[heat->boundary - scene->boundaries];
+	}
 }
 
 void boundaries_update(struct mpm *mpm)
@@ -76,6 +112,8 @@ void boundaries_update(struct mpm *mpm)
 		w->boundaries_stale = w->boundaries_stale || on != w->boundary_on[b];
 		w->boundary_on[b] = on;
 	}
+	if (mpm->thermal)
+		update_heat(mpm);
 	if (w->boundaries_stale)
 		rebuild(mpm);
 	w->boundaries_stale = false;
@@ -87,13 +125,15 @@ int boundaries_create(struct mpm *mpm)
 	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, n = (size_t)mpm->scene->n_boundaries;
 	bool velocities = false, complete = true;
 	w->boundary_on = calloc(n + 1, sizeof *w->boundary_on);
-	w->flux = calloc(n + 1, sizeof *w->flux);
-	complete = w->boundary_on && w->flux;
+	w->boundary_T = calloc(n + 1, sizeof *w->boundary_T);
+	w->wall_T = calloc((size_t)mpm->scene->n_walls + 1, sizeof *w->wall_T);
+	w->point_heats = calloc(n + 1, sizeof *w->point_heats);
+	complete = w->boundary_on && w->boundary_T && w->wall_T && w->point_heats;
 	for (int b = 0; b < mpm->scene->n_boundaries && complete; b++) {
 		const struct scene_boundary *boundary = &mpm->scene->boundaries[b];
 		velocities = velocities || !isnan(boundary->velocity[0]) || !isnan(boundary->velocity[1]);
-		if (!isnan(boundary->flux))
-			w->flux[w->n_flux++] = b;
+		if (mpm->thermal && scene_boundary_heats_points(boundary))
+			w->point_heats[w->n_point_heats++].boundary = boundary;
 	}
 	if (velocities) {
 		w->fixed_v = calloc(nodes, sizeof *w->fixed_v);
@@ -116,7 +156,9 @@ void boundaries_free(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	free(w->boundary_on);
-	free(w->flux);
+	free(w->boundary_T);
+	free(w->wall_T);
+	free(w->point_heats);
 	free(w->fixed_v);
 	free(w->fixed_push);
 	free(w->fixed_T);

@@ -7,6 +7,8 @@
 #ifndef TMDEMPM_MPM_PRIVATE_H
 #define TMDEMPM_MPM_PRIVATE_H
 
+#include <math.h>
+
 #include "mpm/mpm.h"
 #include "mpm/shape.h"
 
@@ -36,16 +38,17 @@ struct stripe_sum {
 	double diffusivity;           /* max of k / (rho c), m2/s */
 	int stiffest, most_diffusive; /* storage index, -1 = none */
 	int bad;                      /* storage index of the first point with a non-finite stress, -1 */
-	double power;                 /* W, sum V sigma : L with the L of the step before */
+	double power;                 /* W, sum V sigma : L with the L in which the points strained last */
 	double heat_given;            /* J, of the laws */
-	double heat_flux;             /* J, through boundaries with a given flux */
+	double heat_in, heat_out;     /* J, through boundaries with a flux or convection */
 };
 
 /* Partial results of one block of points on the way back. */
 struct block_sum {
 	double increment; /* sum m |S dv|^2, J */
 	double damped;    /* sum m (v_flip . d + |d|^2 / 2), J */
-	double push[2];   /* sum m d, kg m/s */
+	double carried;   /* sum m v . S dv, J; of APIC only */
+	double push[2];   /* sum m (2 x' - 2 S v - S dv) with x' the rate at which the point moves, kg m/s */
 	double discarded; /* J, kinetic energy of parked points */
 	int bad, left;    /* storage index of the first non-finite point, of the first that left the grid; -1 */
 };
@@ -53,10 +56,19 @@ struct block_sum {
 /* Partial results of one row of nodes. */
 struct row_sum {
 	double increment;                    /* sum m |dv|^2, J */
-	double power;                        /* W, of the internal forces on the velocities before the step, - sum f.v */
+	double carried;                      /* sum m v.dv, J; of APIC only */
+	double power;                        /* W, of the internal forces on the nodes, see ledger.c */
 	double gravity, confining;           /* J, work of gravity and of the confining pressure */
 	double velocity_work, velocity_loss; /* J, of imposed velocities */
 };
+
+/* What a node needs where velocities go between points and nodes beside the step itself; one cache line. */
+struct node_projection {
+	double sum[2];    /* m/s, of XPIC and FMPM: goes to the points */
+	double term[2];   /* m/s, of their series */
+	double back[2];   /* kg m/s, momentum that comes from the points */
+	double strain[2]; /* m/s, USF and MUSL: from which the points strain */
+} __attribute__((aligned(64)));
 
 /* The same of the thermal pass. */
 struct heat_sum {
@@ -99,6 +111,24 @@ struct mpm_sums {
 	double scale; /* J, most work done so far: what the residual is compared with */
 };
 
+/* How a material freezes.  Specific enthalpy J/kg, counted from all frozen at `low`: linear below, through the
+ * interval (even one without width) and above. */
+struct freezing {
+	bool on;
+	double low, high;      /* K */
+	double frozen, thawed; /* J/(kg K), sensible heat capacity */
+	double all;            /* J/kg, enthalpy at which all is thawed: sensible heat of the interval + latent heat */
+	double conductivity;   /* W/(m K) when frozen; NAN = as thawed */
+};
+
+/* Heat brought to the points of a box, as it is in this step. */
+struct point_heat {
+	const struct scene_boundary *boundary;
+	bool on;
+	double flux;                 /* W/m2 */
+	double coefficient, ambient; /* W/(m2 K), K; 0 without convection */
+};
+
 struct mpm_work {
 	struct shape_grid shape_grid;
 	double *half;                      /* by body: half a point's domain over h */
@@ -106,6 +136,8 @@ struct mpm_work {
 	char (*law_names)[SCENE_NAME + 8]; /* "laws/NAME", of the states in the checkpoint */
 	int *law_of_scene;                 /* scene law -> index in mpm->laws, -1 = has no points */
 	double *conductivity;              /* by material: W/(m K), NAN = from the law */
+	struct freezing *freezing;         /* by material */
+	bool freezes;                      /* some material does */
 	double *start_warming;             /* K, by id: see mpm_start_warming(); NULL = none */
 
 	/* order by cells */
@@ -131,8 +163,11 @@ struct mpm_work {
 	double (*fixed_v)[2];    /* m/s, by node: imposed velocity, NAN = free; NULL = none */
 	double (*fixed_push)[2]; /* kg m/s, by node: what imposing it cost in this step */
 	bool *boundary_on;       /* by scene boundary, at the last look */
+	double *boundary_T;      /* K, by scene boundary: imposed in this step, NAN = free */
+	double *wall_T;          /* K, by scene wall: the same, NAN = insulating */
 	bool boundaries_stale;   /* the walls have changed since then */
-	int n_flux, *flux;       /* the scene boundaries with a flux */
+	int n_point_heats;
+	struct point_heat *point_heats; /* the boundaries with a flux or convection */
 
 	int n_wall_nodes, wall_node_capacity, n_wall_groups;
 	struct wall_node *wall_nodes; /* by node, then wall */
@@ -148,7 +183,12 @@ struct mpm_work {
 	struct heat_sum *heat_sums;
 	struct mpm_sums total;
 	double alpha_p, alpha_g, alpha_pic; /* as fractions of this step */
-	double thermal_dt;                  /* s, of this step's thermal pass; 0 = none in this step */
+	bool filtered;                      /* XPIC or FMPM act in this step */
+	bool filters_step;                  /* FMPM: they act on the velocities after the step */
+	struct node_projection *projected;  /* NULL if nothing needs it */
+	double (*way)[2];                   /* m, MUSL: by how much points will move when they have strained; else NULL */
+	double *strain_power;               /* W, by block, USF and MUSL: of the old stress on the strain rate; else NULL */
+	double thermal_dt;                  /* s of thermal time, of this step's thermal pass; 0 = none in this step */
 
 	double internal_force_scale; /* 1; a test plants an error here to see the residual guard fire */
 	char residual_message[256];  /* set by mpm_measure() when the residual is beyond its bound */
@@ -157,13 +197,40 @@ struct mpm_work {
 static inline struct mpm_work *mpm_work(const struct mpm *mpm) { return mpm->work; }
 static inline bool mpm_parallel(const struct mpm *mpm) { return mpm->p.n >= PARALLEL_POINTS; }
 
+/* The points of a stripe: order[first .. last - 1]. */
+static inline void mpm_stripe_points(const struct mpm_work *w, int stripe, int *first, int *last)
+{
+	int from = stripe * STRIPE_ROWS, to = from + STRIPE_ROWS < w->cells_y ? from + STRIPE_ROWS : w->cells_y;
+	*first = w->cell_first[from * w->cells_x];
+	*last = w->cell_first[to * w->cells_x];
+}
+
+/* Conductivity xx yy xy of a point, W/(m K): the material's or the law's; of frozen and thawed by their shares. */
+static inline void mpm_point_conductivity(const struct mpm *mpm, int p, double conductivity[3])
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	int material = mpm->p.material[p];
+	double k = w->conductivity[material];
+	const double *law = mpm->p.conductivity[p];
+	conductivity[0] = isnan(k) ? law[0] : k;
+	conductivity[1] = isnan(k) ? law[1] : k;
+	conductivity[2] = isnan(k) ? law[2] : 0.0;
+	double frozen = w->freezes ? w->freezing[material].conductivity : NAN, thawed = mpm->p.thawed[p];
+	if (isnan(frozen))
+		return;
+	for (int c = 0; c < 3; c++)
+		conductivity[c] = thawed * conductivity[c] + (1.0 - thawed) * (c < 2 ? frozen : 0.0);
+}
+
 /* ---- particles.c ---- */
-int particles_create(struct particles *p, int n);
+int particles_create(struct particles *p, int n, bool affine);
 void particles_free(struct particles *p);
 /* New storage index k gets what was at permutation[k]. */
 void particles_permute(struct particles *p, const int *permutation, void *scratch);
-size_t particles_bytes(int n);
+size_t particles_bytes(const struct particles *p);
 size_t particles_widest(void);
+/* Takes a point's motion away. */
+void point_stop(struct particles *p, int k);
 /* Appends the columns to the list of state arrays (or only counts). */
 int particles_state(struct particles *p, struct mpm_state_array *arrays, int at);
 
@@ -184,10 +251,29 @@ void mpm_points_to_grid(struct mpm *mpm);
 void mpm_integrate_nodes(struct mpm *mpm);
 void mpm_finish_nodes(struct mpm *mpm);
 void mpm_grid_to_points(struct mpm *mpm);
+/* Calls scatter() for every stripe, those that share no node at the same time. */
+void mpm_each_stripe(struct mpm *mpm, void (*scatter)(struct mpm *, struct mpm_work *, int stripe));
+/* Beyond the grid: parked, without motion, where it is. */
+void point_park(struct particles *p, int k, struct block_sum *sum);
+
+/* ---- project.c ---- */
+void mpm_filter_nodes(struct mpm *mpm);
+void mpm_strain_points(struct mpm *mpm);
 
 /* ---- thermal.c ---- */
 void mpm_heat_nodes(struct mpm *mpm);
 void mpm_remap_temperature(struct mpm *mpm);
+/* W m2/K: the conductivity times volume that would take as much of the step limit as convection at a point. */
+double mpm_convection_as_conduction(const struct mpm *mpm, int p, double volume);
+
+/* ---- freezing.c ---- */
+int freezing_create(struct mpm *mpm);
+/* Sets the thawed share and heat capacity of a point by its temperature. */
+void freezing_begin(struct mpm *mpm, int p);
+/* Gives a point of a freezing material the sensible heat of dT, K, and finds its temperature. */
+void freezing_absorb(struct mpm *mpm, int p, double dT);
+/* Heat content of a point, J, up to a constant of its material. */
+double freezing_heat(const struct mpm *mpm, int p);
 
 /* ---- wall.c ---- */
 int walls_create(struct mpm *mpm);
@@ -198,6 +284,7 @@ bool wall_contains(const struct mpm *mpm, int wall, const double x[2], double to
 /* Looks again which walls are on, where they are and which nodes they hold. */
 void walls_update(struct mpm *mpm);
 void walls_apply(struct mpm *mpm);
+void walls_hold(struct mpm *mpm);
 void walls_account(struct mpm *mpm);
 void walls_move(struct mpm *mpm);
 
@@ -218,6 +305,8 @@ int guard_residual(const struct mpm *mpm);
 int guard_law(const struct mpm *mpm, int status, int point);
 
 /* ---- stage.c ---- */
+/* s of thermal time that one thermal pass covers: conduction runs time_scale times faster than the clock. */
+double mpm_thermal_step(const struct mpm *mpm);
 void stage_begin_step(struct mpm *mpm);
 void stage_end_step(struct mpm *mpm);
 

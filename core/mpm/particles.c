@@ -42,8 +42,10 @@ static const struct column columns[] = {
 	COLUMN(heat, 'd', 1),
 	COLUMN(conductivity, 'd', 3),
 	COLUMN(capacity, 'd', 1),
+	COLUMN(thawed, 'd', 1),
 	COLUMN(heat_pending, 'd', 1),
 	COLUMN(heat_friction_sum, 'd', 1),
+	COLUMN(affine, 'd', 4), /* with APIC only */
 };
 
 enum { N_COLUMNS = sizeof columns / sizeof *columns };
@@ -53,19 +55,21 @@ static size_t column_bytes(const struct column *column)
 	return (size_t)column->per_point * (column->type == 'i' ? sizeof(int) : sizeof(double));
 }
 
-static void **column_data(struct particles *p, const struct column *column)
+static void *column_of(const struct particles *p, const struct column *column)
 {
-	return (void **)((char *)p + column->offset);
+	return *(void *const *)((const char *)p + column->offset);
 }
 
 /* Rounded up to whole cache lines, as aligned_alloc wants it. */
 static size_t padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
 
-int particles_create(struct particles *p, int n)
+int particles_create(struct particles *p, int n, bool affine)
 {
 	memset(p, 0, sizeof *p);
 	p->n = n;
 	for (int c = 0; c < N_COLUMNS; c++) {
+		if (columns[c].offset == offsetof(struct particles, affine) && !affine)
+			continue;
 		size_t bytes = padded((size_t)n * column_bytes(&columns[c]) + 1);
 		void *data = aligned_alloc(64, bytes);
 		if (!data) {
@@ -73,7 +77,7 @@ int particles_create(struct particles *p, int n)
 			return error_set(STATUS_RESOURCE, "out of memory for %d points", n);
 		}
 		memset(data, 0, bytes);
-		*column_data(p, &columns[c]) = data;
+		*(void **)((char *)p + columns[c].offset) = data;
 	}
 	return STATUS_OK;
 }
@@ -81,15 +85,16 @@ int particles_create(struct particles *p, int n)
 void particles_free(struct particles *p)
 {
 	for (int c = 0; c < N_COLUMNS; c++)
-		free(*column_data(p, &columns[c]));
+		free(column_of(p, &columns[c]));
 	memset(p, 0, sizeof *p);
 }
 
-size_t particles_bytes(int n)
+size_t particles_bytes(const struct particles *p)
 {
 	size_t bytes = 0;
 	for (int c = 0; c < N_COLUMNS; c++)
-		bytes += padded((size_t)n * column_bytes(&columns[c]) + 1);
+		if (column_of(p, &columns[c]))
+			bytes += padded((size_t)p->n * column_bytes(&columns[c]) + 1);
 	return bytes;
 }
 
@@ -105,7 +110,9 @@ void particles_permute(struct particles *p, const int *permutation, void *scratc
 {
 	for (int c = 0; c < N_COLUMNS; c++) {
 		size_t bytes = column_bytes(&columns[c]);
-		char *data = *column_data(p, &columns[c]), *copy = scratch;
+		char *data = column_of(p, &columns[c]), *copy = scratch;
+		if (!data)
+			continue;
 		memcpy(copy, data, (size_t)p->n * bytes);
 		for (int k = 0; k < p->n; k++)
 			memcpy(data + (size_t)k * bytes, copy + (size_t)permutation[k] * bytes, bytes);
@@ -114,11 +121,21 @@ void particles_permute(struct particles *p, const int *permutation, void *scratc
 
 int particles_state(struct particles *p, struct mpm_state_array *arrays, int at)
 {
-	for (int c = 0; c < N_COLUMNS; c++, at++)
-		if (arrays)
-			arrays[at] = (struct mpm_state_array){columns[c].name, *column_data(p, &columns[c]), columns[c].type,
+	for (int c = 0; c < N_COLUMNS; c++) {
+		void *data = column_of(p, &columns[c]);
+		if (data && arrays)
+			arrays[at] = (struct mpm_state_array){columns[c].name, data, columns[c].type,
 												  (size_t)p->n * (size_t)columns[c].per_point};
+		at += data != NULL;
+	}
 	return at;
+}
+
+void point_stop(struct particles *p, int k)
+{
+	memset(p->v[k], 0, sizeof p->v[k]);
+	if (p->affine)
+		memset(p->affine[k], 0, sizeof p->affine[k]);
 }
 
 /* ---- fields for viewers and files ---- */
@@ -138,6 +155,7 @@ enum particle_field {
 	FIELD_HEAT_SOURCE,
 	FIELD_HEAT_FRICTION,
 	FIELD_CONDUCTIVITY,
+	FIELD_THAWED,
 	FIELD_DENSITY,
 	FIELD_VOLUME,
 	FIELD_MASS,
@@ -162,6 +180,7 @@ const struct field particle_fields[] = {
 	[FIELD_HEAT_FRICTION] = {"heat_friction", "J/m3", 1, "heat received from the law so far, per initial volume"},
 	[FIELD_CONDUCTIVITY] = {"conductivity", "W/(m K)", 6,
 							"conductivity tensor; zz is 0 where a law knows the plane only"},
+	[FIELD_THAWED] = {"thawed_fraction", "-", 1, "share of the mass that is not frozen; only where something freezes"},
 	[FIELD_DENSITY] = {"density", "kg/m3", 1, "bulk density"},
 	[FIELD_VOLUME] = {"volume", "m3", 1, "volume, with the grid's thickness"},
 	[FIELD_MASS] = {"mass", "kg", 1, "mass, with the grid's thickness"},
@@ -169,6 +188,14 @@ const struct field particle_fields[] = {
 	[FIELD_BODY] = {"body", "-", 1, "number of the body in the scene"},
 };
 const int particle_fields_count = sizeof particle_fields / sizeof *particle_fields;
+
+bool particle_field_applies(const struct scene *scene, int f)
+{
+	bool applies = f != FIELD_THAWED;
+	for (int m = 0; m < scene->n_materials; m++)
+		applies = applies || !isnan(scene->materials[m].freezing[0]);
+	return applies;
+}
 
 /* sqrt(2/3 e':e') with e' = e - tr(e)/2 I, in the plane. */
 static double deviatoric(double xx, double yy, double xy)
@@ -202,12 +229,9 @@ static void stress_field(int f, const double s[4], double *out)
 
 static void conductivity_field(const struct mpm *mpm, int k, double out[6])
 {
-	double given = mpm_work(mpm)->conductivity[mpm->p.material[k]];
-	const double *law = mpm->p.conductivity[k];
-	if (isnan(given))
-		tensor(out, law[0], law[1], 0.0, law[2]);
-	else
-		tensor(out, given, given, given, 0.0);
+	double c[3];
+	mpm_point_conductivity(mpm, k, c);
+	tensor(out, c[0], c[1], isnan(mpm_work(mpm)->conductivity[mpm->p.material[k]]) ? 0.0 : c[0], c[2]);
 }
 
 static void point_field(const struct mpm *mpm, int f, int k, double *out)
@@ -247,6 +271,9 @@ static void point_field(const struct mpm *mpm, int f, int k, double *out)
 		break;
 	case FIELD_CONDUCTIVITY:
 		conductivity_field(mpm, k, out);
+		break;
+	case FIELD_THAWED:
+		*out = p->thawed[k];
 		break;
 	case FIELD_DENSITY:
 		*out = p->mass[k] / (p->volume0[k] * mat2_determinant(p->F[k]));

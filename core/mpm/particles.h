@@ -3,9 +3,11 @@
 #ifndef TMDEMPM_MPM_PARTICLES_H
 #define TMDEMPM_MPM_PARTICLES_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/field.h"
+#include "scene/scene.h"
 
 struct particles {
 	int n;
@@ -28,8 +30,10 @@ struct particles {
 	double *dT;         /* K, the increment of T_smooth that the law saw in the last step */
 	double *heat;       /* W/m3, from the law */
 	double (*conductivity)[3]; /* W/(m K): xx yy xy */
-	double *capacity;   /* J/(kg K) */
+	double *capacity;   /* J/(kg K), sensible */
+	double *thawed;     /* share of the point's mass that is not frozen; 1 where nothing freezes */
 	double *heat_pending; /* J, heat of the law that waits for the next thermal step */
+	double (*affine)[4]; /* APIC: B of its affine motion, m2/s, or C, 1/s (mpm/point.h); else NULL */
 	double *heat_friction_sum; /* J/m3 of initial volume, heat received from the law so far */
 };
 
@@ -37,6 +41,9 @@ struct particles {
  * deviatoric strain, temperature, heat source, density ... */
 extern const struct field particle_fields[];
 extern const int particle_fields_count;
+
+/* Has field f a meaning in this scene? */
+bool particle_field_applies(const struct scene *scene, int f);
 
 struct mpm;
 

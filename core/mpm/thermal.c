@@ -69,17 +69,32 @@ static struct heat_sum end_row(struct mpm *mpm, struct mpm_work *w, int j)
 	return sum;
 }
 
-/* W/m3 that prescribed fluxes bring to a point (the virtual layer of eq. 10). */
-static double flux_density(const struct mpm *mpm, const struct mpm_work *w, const double x[2])
+static bool reaches(const struct point_heat *heat, const double x[2])
+{
+	const struct scene_boundary *b = heat->boundary;
+	return heat->on && x[0] >= b->min[0] && x[0] <= b->max[0] && x[1] >= b->min[1] && x[1] <= b->max[1];
+}
+
+/* W/m3 that fluxes and convection bring to a point (the virtual layer of eq. 10); T: of the grid at the point, K. */
+static double boundary_heat(const struct mpm_work *w, const double x[2], double T)
 {
 	double sum = 0.0;
-	for (int f = 0; f < w->n_flux; f++) {
-		const struct scene_boundary *b = &mpm->scene->boundaries[w->flux[f]];
-		if (w->boundary_on[w->flux[f]] && x[0] >= b->min[0] && x[0] <= b->max[0] && x[1] >= b->min[1] &&
-			x[1] <= b->max[1])
-			sum += b->flux / b->layer;
+	for (int f = 0; f < w->n_point_heats; f++) {
+		const struct point_heat *heat = &w->point_heats[f];
+		if (reaches(heat, x))
+			sum += (heat->flux + heat->coefficient * (heat->ambient - T)) / heat->boundary->layer;
 	}
 	return sum;
+}
+
+double mpm_convection_as_conduction(const struct mpm *mpm, int p, double volume)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	double sum = 0.0, h = fmin(mpm->grid.spacing[0], mpm->grid.spacing[1]);
+	for (int f = 0; f < w->n_point_heats; f++)
+		if (reaches(&w->point_heats[f], mpm->p.x[p]))
+			sum += w->point_heats[f].coefficient / w->point_heats[f].boundary->layer;
+	return 0.25 * h * h * sum * volume;
 }
 
 /* What the slope of the temperature says of imposed nodes from where the point is. */
@@ -111,16 +126,23 @@ static inline __attribute__((always_inline)) void scatter_flow(const struct mpm 
 		gx += lists->grad_x[at + a] * T;
 		gy += lists->grad_y[at + a] * T;
 	}
-	double k = w->conductivity[points->material[p]];
-	const double *tensor = points->conductivity[p];
-	double kxx = isnan(k) ? tensor[0] : k, kyy = isnan(k) ? tensor[1] : k, kxy = isnan(k) ? tensor[2] : 0.0;
-	double volume = mat2_determinant(points->F[p]) * points->volume0[p];
-	double qx = -volume * (kxx * gx + kxy * gy), qy = -volume * (kxy * gx + kyy * gy);
+	double k[3], volume = mat2_determinant(points->F[p]) * points->volume0[p];
+	mpm_point_conductivity(mpm, p, k);
+	double qx = -volume * (k[0] * gx + k[2] * gy), qy = -volume * (k[2] * gx + k[1] * gy);
 	for (int a = 0; a < nodes; a++)
 		w->sums[lists->node[at + a]].flow +=
 			lists->grad_x[at + a] * qx + lists->grad_y[at + a] * qy + lists->weight[at + a] * source;
 	if (first_pass && w->imposes_T)
 		lift_point(mpm, w, lists, at, p, nodes, gx, gy);
+}
+
+/* K, of the grid at a point. */
+static double temperature_at(const double *grid_T, const struct shape_lists *lists, int at, int nodes)
+{
+	double T = 0.0;
+	for (int a = 0; a < nodes; a++)
+		T += lists->weight[at + a] * grid_T[lists->node[at + a]];
+	return T;
 }
 
 static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, struct mpm_work *w, int stripe,
@@ -137,10 +159,12 @@ static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, s
 		for (int k = 0; k < n; k++) {
 			int p = chunk[k];
 			double source = points->heat_pending[p] / w->thermal_dt; /* W */
-			if (w->n_flux) {
-				double flux = flux_density(mpm, w, points->x[p]) * mat2_determinant(points->F[p]) * points->volume0[p];
-				sum->heat_flux += flux * dt;
-				source += flux;
+			if (w->n_point_heats) {
+				double T = temperature_at(mpm->grid.T_new, &lists, k * nodes, nodes);
+				double flow = boundary_heat(w, points->x[p], T) * mat2_determinant(points->F[p]) * points->volume0[p];
+				sum->heat_in += flow > 0.0 ? flow * dt : 0.0;
+				sum->heat_out -= flow < 0.0 ? flow * dt : 0.0;
+				source += flow;
 			}
 			scatter_flow(mpm, w, &lists, k * nodes, p, nodes, source, first_pass);
 			if (last_pass) {
@@ -187,20 +211,33 @@ void mpm_heat_nodes(struct mpm *mpm)
 		w->heat_sums[j] = end_row(mpm, w, j);
 }
 
+/* The gradient that a body begins with, read off at imposed nodes as the steps will do. */
+static void lift_at_birth(struct mpm *mpm, struct mpm_work *w)
+{
+	struct shape_lists lists;
+	for (int i = 0; i < w->n_inside; i++) {
+		int p = w->order[i];
+		const double *g = mpm->scene->bodies[mpm->p.body[p]].temperature_gradient;
+		mpm->shape->fill(&w->shape_grid, 1, &p, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
+		lift_point(mpm, w, &lists, 0, p, mpm->shape->max_nodes, g[0], g[1]);
+	}
+	for (int node = 0; node < mpm->grid.nx * mpm->grid.ny; node++)
+		if (!isnan(w->fixed_T[node]) && w->sums[node].capacity > 0.0)
+			mpm->grid.T[node] += w->fixed_lift[node] / w->sums[node].capacity;
+}
+
 /* The smooth temperature at birth: what the law will see change. */
 void mpm_remap_temperature(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	struct shape_lists lists;
-	int nodes = mpm->shape->max_nodes;
 	for (int j = 0; j < mpm->grid.ny; j++)
 		begin_row(mpm, w, j);
+	if (w->imposes_T)
+		lift_at_birth(mpm, w);
 	for (int i = 0; i < w->n_inside; i++) {
 		int p = w->order[i];
 		mpm->shape->fill(&w->shape_grid, 1, &p, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
-		double T = 0.0;
-		for (int a = 0; a < nodes; a++)
-			T += lists.weight[a] * mpm->grid.T[lists.node[a]];
-		mpm->p.T_smooth[p] = T;
+		mpm->p.T_smooth[p] = temperature_at(mpm->grid.T, &lists, 0, mpm->shape->max_nodes);
 	}
 }

@@ -15,8 +15,10 @@ static const double CHECK_SECONDS = 1.5; /* of measured steps */
 static void check_passes(const struct mpm *mpm)
 {
 	const struct scene *scene = mpm->scene;
-	printf("passes     %s shape functions, order %s, transfer %s", mpm->shape->name, scene->mpm.order,
-		   scene->mpm.transfer);
+	printf("passes     %s shape functions, order %s, transfer %s", mpm->shape->name, mpm_order_names[scene->mpm.order],
+		   mpm_transfer_names[scene->mpm.transfer]);
+	if (scene->mpm.transfer == MPM_XPIC || scene->mpm.transfer == MPM_FMPM)
+		printf("(%d) in one step of %d", scene->mpm.xpic_order, scene->mpm.xpic_every);
 	if (scene->mpm.pic_fraction > 0)
 		printf(" with %g PIC a step", scene->mpm.pic_fraction);
 	printf("\n           %s\n", mpm->thermal ? "heat: thermal pass on the same grid" : "no heat: no thermal pass");
@@ -24,6 +26,9 @@ static void check_passes(const struct mpm *mpm)
 		printf("           %d thermal sub-steps in each step\n", scene->time.thermal_steps);
 	if (mpm->thermal && scene->time.thermal_every > 1)
 		printf("           one thermal step every %d steps\n", scene->time.thermal_every);
+	if (mpm->thermal && scene->thermal.time_scale != 1.0)
+		printf("           TIME SCALE: heat conduction, fluxes and convection run %g times faster than the mechanics\n",
+			   scene->thermal.time_scale);
 	for (int l = 0; l < mpm->n_laws; l++)
 		printf("           law %s (%s): %d points, %.1f kB of state each\n", mpm->laws[l]->name,
 			   mpm->laws[l]->type->name, mpm->laws[l]->n_points, 1e-3 * (double)mpm->laws[l]->state_bytes);
@@ -61,35 +66,29 @@ static void check_sizes(const struct mpm *mpm)
 	printf("memory     %.1f MB\n", 1e-6 * (double)mpm_memory(mpm));
 }
 
-/* The limits of eq. 30 and of explicit heat conduction, over all points as they stand. */
+/* The limits of eq. 30 and of explicit heat conduction and convection, over all points as they stand. */
 static void check_step(const struct mpm *mpm)
 {
 	const struct scene *scene = mpm->scene;
 	const struct particles *p = &mpm->p;
-	double mechanical = INFINITY, thermal = INFINITY, h = fmin(mpm->grid.spacing[0], mpm->grid.spacing[1]);
-	int stiff = 0, conducting = 0;
+	double mechanical = INFINITY, h = fmin(mpm->grid.spacing[0], mpm->grid.spacing[1]);
+	int stiff = 0;
 	for (int i = 0; i < p->n; i++) {
 		double density = p->mass[i] / (p->volume0[i] * mat2_determinant(p->F[i]));
 		double limit = scene->time.step_factor * h * sqrt(density / p->modulus[i]);
 		if (limit < mechanical)
 			mechanical = limit, stiff = i;
-		if (!mpm->thermal)
-			continue;
-		double k = fmax(p->conductivity[i][0], p->conductivity[i][1]);
-		limit = density * p->capacity[i] * h * h / (2 * k);
-		if (limit < thermal)
-			thermal = limit, conducting = i;
 	}
 	double thermal_step =
-		scene->time.step * scene->time.thermal_every / (scene->time.thermal_steps > 1 ? scene->time.thermal_steps : 1);
+		scene->time.step * scene->thermal.time_scale * scene->time.thermal_every / scene->time.thermal_steps;
 	printf("step       %g s, %.1f %% of the mechanical limit %.3g s\n", scene->time.step,
 		   100 * scene->time.step / mechanical, mechanical);
 	printf("           set by point %d: P-wave modulus %.3g Pa, %g h sqrt(rho/M)\n", p->id[stiff], p->modulus[stiff],
 		   scene->time.step_factor);
-	if (isfinite(thermal))
-		printf("           thermal step %.3g s, %.1f %% of its limit %.3g s (point %d: rho c h^2 / 2k)\n", thermal_step,
-			   100 * thermal_step / thermal, thermal, p->id[conducting]);
-	if (scene->time.step > mechanical || thermal_step > thermal)
+	if (mpm->thermal && isfinite(mpm->thermal_limit))
+		printf("           thermal step %.3g s, %.1f %% of its limit (rho c h^2 / 2k, less what convection takes)\n",
+			   thermal_step, 100 * scene->time.step / mpm->thermal_limit);
+	if (scene->time.step > mechanical || (mpm->thermal && scene->time.step > mpm->thermal_limit))
 		printf("           OVER THE LIMIT: the run would stop at once\n");
 }
 

@@ -44,7 +44,8 @@ int fields_create(struct run_fields **result, const struct mpm *mpm)
 		return error_set(STATUS_RESOURCE, "out of memory");
 	}
 	for (int f = 0; f < particle_fields_count; f++)
-		fields_add(fields, mpm, &particle_fields[f], f);
+		if (particle_field_applies(mpm->scene, f))
+			fields_add(fields, mpm, &particle_fields[f], f);
 	for (int l = 0; l < mpm->n_laws; l++)
 		for (int f = 0; f < mpm->laws[l]->type->n_fields; f++)
 			fields_add(fields, mpm, &mpm->laws[l]->type->fields[f], -1);

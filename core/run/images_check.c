@@ -20,7 +20,7 @@ static const struct law_type *law_type_of(const struct scene_law *law)
 static const struct field *find_field(const struct scene *scene, const char *name)
 {
 	for (int f = 0; f < particle_fields_count; f++)
-		if (!strcmp(particle_fields[f].name, name))
+		if (particle_field_applies(scene, f) && !strcmp(particle_fields[f].name, name))
 			return &particle_fields[f];
 	for (int k = 0; k < scene->n_laws; k++) {
 		const struct law_type *type = law_type_of(&scene->laws[k]);
@@ -37,7 +37,8 @@ static const struct field *find_field(const struct scene *scene, const char *nam
 static void print_names(const struct scene *scene, FILE *errors)
 {
 	for (int f = 0; f < particle_fields_count; f++)
-		fprintf(errors, "%s%s", f ? ", " : "", particle_fields[f].name);
+		if (particle_field_applies(scene, f))
+			fprintf(errors, "%s%s", f ? ", " : "", particle_fields[f].name);
 	for (const struct law_type *const *type = law_types; *type; type++) {
 		bool used = false;
 		for (int k = 0; k < scene->n_laws; k++)

@@ -1,6 +1,8 @@
 #include "run/json.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 static void json_string(FILE *stream, const char *text)
 {
@@ -83,4 +85,19 @@ void json_bool(struct json *json, const char *name, bool value)
 {
 	json_member(json, name);
 	fputs(value ? "true" : "false", json->stream);
+}
+
+double json_find_number(const char *text, int depth, const char *name)
+{
+	char line[128] = "\n";
+	size_t n = 1;
+	while (depth-- > 0 && n < 32)
+		line[n++] = '\t';
+	n += (size_t)snprintf(line + n, sizeof line - n, "\"%s\": ", name);
+	const char *at = strstr(text, line);
+	char *end;
+	if (!at)
+		return NAN;
+	double value = strtod(at + n, &end);
+	return end == at + n ? NAN : value;
 }

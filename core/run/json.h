@@ -20,4 +20,8 @@ void json_number(struct json *json, const char *name, double value);
 void json_integer(struct json *json, const char *name, long long value);
 void json_bool(struct json *json, const char *name, bool value);
 
+/* The number that a member holds in a document that was written here with `pretty`: the first of this name at this
+ * depth (1 = of the whole); NAN if there is none. */
+double json_find_number(const char *text, int depth, const char *name);
+
 #endif

@@ -44,6 +44,7 @@ static void report_times(struct json *json, const struct run *run)
 	json_number(json, "output", run->output_time);
 	json_number(json, "viewer_wait", images_waited(run->images));
 	json_number(json, "total", report_loop_time(run));
+	json_number(json, "cpu", run->loop_cpu);
 	json_close(json, '}');
 }
 
@@ -135,6 +136,8 @@ static void report_fill(struct json *json, const struct run *run, const char *st
 	json_integer(json, "step", run->mpm->step);
 	json_number(json, "time", run->mpm->time);
 	json_number(json, "dt", run->mpm->dt);
+	if (run->mpm->thermal)
+		json_number(json, "thermal_time_scale", run->scene->thermal.time_scale);
 	report_times(json, run);
 	report_counts(json, run);
 	report_outcome(json, run, state);

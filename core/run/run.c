@@ -4,6 +4,7 @@
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "base/error.h"
 #include "run/folder.h"
@@ -208,6 +209,12 @@ static void run_announce(struct run *run)
 	if (options->restart)
 		log_line(&run->log, "continues %s from step %lld, time %.9g s", options->restart, run->mpm->step,
 				 run->mpm->time);
+	if (run->mpm->thermal && run->scene->thermal.time_scale != 1.0)
+		log_warning(
+			&run->log,
+			"thermal.time_scale: heat conduction, fluxes and convection run %g times faster than the mechanics and "
+			"the clock; friction heat does not",
+			run->scene->thermal.time_scale);
 	run_counts(run, &counts);
 	run->first_disc_steps = counts.disc_steps;
 }
@@ -223,8 +230,10 @@ static int run_all(struct run *run)
 	run_announce(run);
 	run->loop_start = clock_seconds();
 	run->setup_time = run->loop_start - start;
+	clock_t cpu = clock();
 	int status = run_loop(run);
 	run->loop_time = clock_seconds() - run->loop_start;
+	run->loop_cpu = (double)(clock() - cpu) / CLOCKS_PER_SEC;
 	return status;
 }
 

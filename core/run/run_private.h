@@ -104,6 +104,7 @@ struct run {
 	long long first_disc_steps;
 	double loop_start;    /* s, clock_seconds() */
 	double loop_time;     /* s, when it is over */
+	double loop_cpu;      /* s on all cores, when it is over */
 	double setup_time;    /* s */
 	double output_time;   /* s, without the wait for the viewer */
 	double next_progress; /* s, clock_seconds() */

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/mat2.h"
 #include "io/csv.h"
 #include "io/file.h"
@@ -243,16 +244,6 @@ static int write_csv(const struct rve_packing *p, const char *path)
 
 /* ---- HDF5 ---- */
 
-#define FNV_START UINT64_C(14695981039346656037)
-
-static uint64_t fnv(uint64_t hash, const void *data, size_t size)
-{
-	const unsigned char *byte = data;
-	for (size_t k = 0; k < size; k++)
-		hash = (hash ^ byte[k]) * UINT64_C(1099511628211);
-	return hash;
-}
-
 /* The HDF5 library may crash on damaged files, so a file begins with a user block (a part that HDF5 leaves
  * to its user) with a hash of all that follows; the library only sees files whose hash is right. */
 enum { USER_BLOCK = 512 };
@@ -261,7 +252,7 @@ static void user_block(char block[USER_BLOCK], const char *text, size_t size)
 {
 	memset(block, 0, USER_BLOCK);
 	snprintf(block, USER_BLOCK, "%s; the rest of this file is HDF5, FNV-1a %016" PRIx64 "\n", format_name,
-			 fnv(FNV_START, text + USER_BLOCK, size - USER_BLOCK));
+			 hash_bytes(HASH_START, text + USER_BLOCK, size - USER_BLOCK));
 }
 
 static int seal(const char *path)
@@ -552,7 +543,7 @@ static bool cache_path(char path[FILE_PATH], const char *key)
 		snprintf(folder, sizeof folder, "%s/.cache/tmdempm/packings", home);
 	else
 		return false;
-	snprintf(name, sizeof name, "%016" PRIx64 ".h5", fnv(FNV_START, key, strlen(key)));
+	snprintf(name, sizeof name, "%016" PRIx64 ".h5", hash_bytes(HASH_START, key, strlen(key)));
 	return file_join(path, folder, name) == STATUS_OK;
 }
 

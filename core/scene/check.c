@@ -64,6 +64,25 @@ static void check_time(struct loader *loader)
 				   1.0 / time->step);
 }
 
+/* ---- the schemes ---- */
+
+/* What is said of a scheme that is not used would do nothing. */
+static void check_transfer(struct loader *loader)
+{
+	const struct scene_mpm *mpm = &loader->scene->mpm;
+	bool filters = mpm->transfer == MPM_XPIC || mpm->transfer == MPM_FMPM;
+	const char *name = mpm_transfer_names[mpm->transfer];
+	if (!filters && mpm->xpic_order != 2)
+		problem_of(loader, "mpm.xpic_order", "is %d, but transfer is \"%s\", expected transfer = \"xpic\" or \"fmpm\"",
+				   mpm->xpic_order, name);
+	if (!filters && mpm->xpic_every != 1)
+		problem_of(loader, "mpm.xpic_every", "is %d, but transfer is \"%s\", expected transfer = \"xpic\" or \"fmpm\"",
+				   mpm->xpic_every, name);
+	if (mpm->pic_fraction > 0.0 && (mpm->transfer == MPM_APIC || (filters && mpm->xpic_every == 1)))
+		problem_of(loader, "mpm.pic_fraction", "is %g, but with transfer = \"%s\" no step is FLIP, expected 0%s",
+				   mpm->pic_fraction, name, filters ? ", or xpic_every > 1" : "");
+}
+
 /* ---- names ---- */
 
 static void check_unique(struct loader *loader, const char *list)
@@ -198,8 +217,10 @@ static void check_step(struct loader *loader, const struct scene_material *mater
 					   "is %g s, over the limit of material '%s', expected at most %.4g s = %g cell sqrt(density / M)",
 					   step, material->name, limit, scene->time.step_factor);
 	}
-	double thermal_step = step * scene->time.thermal_every / scene->time.thermal_steps;
-	double thermal_limit = density * material->heat_capacity * h * h / (2.0 * material->conductivity);
+	double thermal_step = step * scene->thermal.time_scale * scene->time.thermal_every / scene->time.thermal_steps;
+	double capacity = fmin(material->heat_capacity, material->heat_capacity_frozen);
+	double thermal_limit =
+		density * capacity * h * h / (2.0 * fmax(material->conductivity, material->conductivity_frozen));
 	if (scene->thermal.on && thermal_step > thermal_limit)
 		problem_of(loader, scene->time.thermal_every > 1 ? "time.thermal_every" : "time.step",
 				   "makes thermal steps of %g s, over the limit of material '%s', expected at most %.4g s = density "
@@ -207,6 +228,27 @@ static void check_step(struct loader *loader, const struct scene_material *mater
 				   "cell^2 / (2 conductivity)%s",
 				   thermal_step, material->name, thermal_limit,
 				   scene->time.thermal_every > 1 ? "" : ", or more time.thermal_steps");
+}
+
+/* What only means something beside another key. */
+static void check_freezing(struct loader *loader, int k)
+{
+	static const char *const frozen[] = {"latent_heat", "heat_capacity_frozen", "conductivity_frozen"};
+	const struct scene *scene = loader->scene;
+	const struct node *node = node_find(loader->root, "materials")->children[k];
+	char path[PATH_LENGTH];
+	bool freezes = !isnan(scene->materials[k].freezing[0]);
+	for (size_t f = 0; f < sizeof frozen / sizeof *frozen && !freezes; f++)
+		if (node_find(node, frozen[f]))
+			problem_of(
+				loader, path_to(path, "materials", k, frozen[f]),
+				"is given though the material does not freeze, expected freezing = [frozen below, thawed above]");
+	if (freezes && !scene->thermal.on)
+		problem_of(loader, path_to(path, "materials", k, "freezing"), "is given though heat is off, expected heat");
+	if (freezes && scene->thermal.on && scene->time.thermal_steps > 1 && loader_clean(loader, "time"))
+		problem_of(loader, "time.thermal_steps",
+				   "is %d though material '%s' freezes, expected 1: thermal sub-steps know no latent heat",
+				   scene->time.thermal_steps, scene->materials[k].name);
 }
 
 static void check_materials(struct loader *loader)
@@ -229,7 +271,9 @@ static void check_materials(struct loader *loader)
 		if (scene->thermal.on && elastic && isnan(material->conductivity))
 			problem_of(loader, path_to(path, "materials", k, "conductivity"),
 					   "is missing though heat is on, expected a number >= 0 (W/(m K))");
-		if (clean_element(loader, "materials", k) && loader_clean(loader, "time") && loader_clean(loader, "grid"))
+		check_freezing(loader, k);
+		if (clean_element(loader, "materials", k) && loader_clean(loader, "time") && loader_clean(loader, "grid") &&
+			loader_clean(loader, "thermal"))
 			check_step(loader, material);
 	}
 }
@@ -294,6 +338,25 @@ static void check_layers(struct loader *loader, int k)
 		}
 }
 
+/* A gradient is steepest at the corners. */
+static void check_gradient(struct loader *loader, int k)
+{
+	const struct scene_body *body = &loader->scene->bodies[k];
+	double coldest = body->temperature;
+	for (int j = 0; j < body->n_layers; j++)
+		coldest = fmin(coldest, body->layers[j].temperature);
+	for (int i = 0; i < body->n_vertices; i++) {
+		double T = coldest + scene_body_warming(body, body->vertices[i]);
+		if (T < 0.0) {
+			char path[PATH_LENGTH];
+			problem_of(loader, path_to(path, "bodies", k, "temperature_gradient"),
+					   "cools the body to %.6g K at (%g, %g), expected no temperature below absolute zero", T,
+					   body->vertices[i][0], body->vertices[i][1]);
+			return;
+		}
+	}
+}
+
 /* Fills a body for the checks that follow; n_points stays -1 if it cannot be filled. */
 static void fill_body(struct loader *loader, int k)
 {
@@ -347,6 +410,7 @@ static void check_bodies(struct loader *loader)
 			problem_of(loader, path_to(path, "bodies", k, "points_per_cell"), "is %d, expected 1, 4, 9 or 16",
 					   body->points_per_cell);
 		check_layers(loader, k);
+		check_gradient(loader, k);
 		path_to(path, "bodies", k, shape_key(loader, "bodies", k));
 		if (!*shape_key(loader, "bodies", k)) {
 			problem_of(loader, path, "has no shape, expected box = [...] or polygon = (...)");
@@ -436,6 +500,16 @@ static void check_wall_free(struct loader *loader, int k, const char *path)
 	}
 }
 
+/* A value and its table are two ways to say one thing. */
+static void check_one_of(struct loader *loader, const char *list, int k, const char *key, double constant,
+						 const struct scene_series *series)
+{
+	char path[PATH_LENGTH];
+	path_to(path, list, k, key);
+	if (series->n && !isnan(constant))
+		problem_of(loader, path, "is given beside %s_table, expected one of the two", path);
+}
+
 static void check_walls(struct loader *loader)
 {
 	struct scene *scene = loader->scene;
@@ -445,6 +519,7 @@ static void check_walls(struct loader *loader)
 		if (!clean_element(loader, "walls", k))
 			continue;
 		path_to(path, "walls", k, shape_key(loader, "walls", k));
+		check_one_of(loader, "walls", k, "temperature", wall->temperature, &wall->temperature_table);
 		if (wall->until <= wall->from)
 			problem_of(loader, path_to(key, "walls", k, "until"), "is %g s, expected more than from = %g s",
 					   wall->until, wall->from);
@@ -461,6 +536,19 @@ static void check_walls(struct loader *loader)
 			if (stands_at_start(scene, k) && loader_clean(loader, "stages"))
 				check_wall_free(loader, k, path);
 	}
+}
+
+static void check_convection(struct loader *loader, int k)
+{
+	const struct scene_convection *c = &loader->scene->boundaries[k].convection;
+	char path[PATH_LENGTH];
+	bool ambient = !isnan(c->ambient) || c->ambient_table.n;
+	if (!isnan(c->coefficient) && !ambient)
+		problem_of(loader, path_to(path, "boundaries", k, "convection"),
+				   "has no ambient, expected ambient or ambient_table");
+	if (isnan(c->coefficient) && ambient)
+		problem_of(loader, path_to(path, "boundaries", k, "convection"),
+				   "has no coefficient, expected a number > 0 (W/(m2 K))");
 }
 
 /* A grid that follows a wall: along the wall's motion its face and the fixed place are rows of nodes. */
@@ -500,10 +588,15 @@ static void check_boundaries(struct loader *loader)
 		const struct scene_boundary *b = &scene->boundaries[k];
 		if (!clean_element(loader, "boundaries", k))
 			continue;
-		bool nodal = !isnan(b->velocity[0]) || !isnan(b->velocity[1]) || !isnan(b->temperature);
-		if (!nodal && isnan(b->flux))
+		bool nodal = !isnan(b->velocity[0]) || !isnan(b->velocity[1]) || scene_boundary_heats_nodes(b);
+		check_one_of(loader, "boundaries", k, "temperature", b->temperature, &b->temperature_table);
+		check_one_of(loader, "boundaries", k, "flux", b->flux, &b->flux_table);
+		check_one_of(loader, "boundaries", k, "convection.ambient", b->convection.ambient,
+					 &b->convection.ambient_table);
+		check_convection(loader, k);
+		if (!nodal && !scene_boundary_heats_points(b) && clean_element(loader, "boundaries", k))
 			problem_of(loader, path_to(path, "boundaries", k, ""),
-					   "imposes nothing, expected velocity_x, velocity_y, temperature or flux");
+					   "imposes nothing, expected velocity_x, velocity_y, temperature, flux or convection");
 		if (b->until <= b->from)
 			problem_of(loader, path_to(path, "boundaries", k, "until"), "is %g s, expected more than from = %g s",
 					   b->until, b->from);
@@ -755,6 +848,8 @@ void check_scene(struct loader *loader)
 		check_grid(loader);
 	if (loader_clean(loader, "time"))
 		check_time(loader);
+	if (loader_clean(loader, "mpm"))
+		check_transfer(loader);
 	check_laws(loader);
 	check_materials(loader);
 	check_stages(loader);

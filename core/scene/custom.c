@@ -93,6 +93,60 @@ void read_material_name(struct loader *loader, const struct scene_key *key, stru
 		*material = read_reference(loader, node, "materials", path);
 }
 
+/* A temperature that stands in a row or a pair; false (recorded) below absolute zero. */
+static bool to_kelvin(struct loader *loader, struct node *node, double *value, const char *path)
+{
+	double given = *value;
+	*value = temperature_in(loader, given);
+	if (*value >= 0.0)
+		return true;
+	problem_at(loader, node->place, path, "holds %.10g, below absolute zero, expected at least %s", given,
+			   loader->scene->units.celsius ? "-273.15 C" : "0 K");
+	return false;
+}
+
+void read_freezing(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+				   const char *path)
+{
+	double *between = (double *)((char *)target + key->offset);
+	double given[2];
+	if (!read_numbers(loader, key, node, 2, given, path))
+		return;
+	for (int k = 0; k < 2; k++)
+		if (!to_kelvin(loader, node, &given[k], path))
+			return;
+	if (given[0] > given[1])
+		problem_at(loader, node->place, path, "falls, expected %s", key->expected);
+	memcpy(between, given, sizeof given);
+}
+
+void read_series(struct loader *loader, const struct scene_key *key, struct node *node, void *target, const char *path)
+{
+	struct scene_series *series = (struct scene_series *)((char *)target + key->offset);
+	struct scene_key row = *key;
+	row.unit = NULL; /* of the value, not of the time */
+	series->n = read_points(loader, &row, node, &series->rows, path);
+	if (node->type == NODE_LIST && node->n < 2)
+		problem_at(loader, node->place, path, "has %d row%s, expected %s", node->n, node->n == 1 ? "" : "s",
+				   key->expected);
+	for (int k = 1; k < series->n; k++)
+		if (!(series->rows[k][0] > series->rows[k - 1][0])) {
+			problem_at(loader, node->children[k]->place, path, "goes from %g s to %g s, expected %s",
+					   series->rows[k - 1][0], series->rows[k][0], key->expected);
+			return;
+		}
+}
+
+void read_temperature_series(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+							 const char *path)
+{
+	struct scene_series *series = (struct scene_series *)((char *)target + key->offset);
+	read_series(loader, key, node, target, path);
+	for (int k = 0; k < series->n; k++)
+		if (!to_kelvin(loader, node->children[k], &series->rows[k][1], path))
+			return;
+}
+
 /* ---- shapes ---- */
 
 static bool read_corners(struct loader *loader, const struct scene_key *key, struct node *node, double low[2],

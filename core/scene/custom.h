@@ -13,6 +13,9 @@ READER(read_material_law);
 READER(read_material_name);
 READER(read_body_shape);
 READER(read_wall_shape);
+READER(read_series);             /* a struct scene_series at key->offset */
+READER(read_temperature_series); /* the same, from the scene's unit to K */
+READER(read_freezing);
 READER(read_box); /* lower corner at key->offset, upper at key->n_offset */
 READER(read_grid_follow);
 READER(read_stage_walls);

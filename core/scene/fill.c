@@ -62,6 +62,12 @@ int scene_body_points(const struct scene *scene, const struct scene_body *body, 
 	return STATUS_OK;
 }
 
+double scene_body_warming(const struct scene_body *body, const double x[2])
+{
+	const double *g = body->temperature_gradient, *at = body->temperature_at;
+	return g[0] * (x[0] - at[0]) + g[1] * (x[1] - at[1]);
+}
+
 int scene_body_layer(const struct scene_body *body, double y)
 {
 	for (int k = 0; k < body->n_layers; k++)

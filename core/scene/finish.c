@@ -16,9 +16,10 @@ static bool needs_heat(const struct scene *scene)
 	for (int k = 0; k < scene->n_materials; k++)
 		needs |= !isnan(scene->materials[k].heat_capacity);
 	for (int k = 0; k < scene->n_walls; k++)
-		needs |= scene->walls[k].active && (!isnan(scene->walls[k].temperature) || scene->walls[k].heat_share > 0.0);
+		needs |= scene->walls[k].active && (scene_wall_heats(&scene->walls[k]) || scene->walls[k].heat_share > 0.0);
 	for (int k = 0; k < scene->n_boundaries; k++)
-		needs |= !isnan(scene->boundaries[k].temperature) || !isnan(scene->boundaries[k].flux);
+		needs |=
+			scene_boundary_heats_nodes(&scene->boundaries[k]) || scene_boundary_heats_points(&scene->boundaries[k]);
 	return needs;
 }
 
@@ -28,6 +29,12 @@ static void finish_bodies(struct scene *scene, const struct node *bodies)
 		struct scene_body *body = &scene->bodies[k];
 		body->temperature = otherwise(body->temperature, ROOM_TEMPERATURE);
 		polygon_orient(body->n_vertices, body->vertices);
+		for (int a = 0; a < 2; a++) {
+			double low = INFINITY;
+			for (int j = 0; j < body->n_vertices; j++)
+				low = fmin(low, body->vertices[j][a]);
+			body->temperature_at[a] = otherwise(body->temperature_at[a], low);
+		}
 		const struct node *layers = k < bodies->n ? node_find(bodies->children[k], "layers") : NULL;
 		for (int j = 0; layers && j < body->n_layers; j++) {
 			struct scene_layer *layer = &body->layers[j];
@@ -35,6 +42,17 @@ static void finish_bodies(struct scene *scene, const struct node *bodies)
 			if (!node_find(layers->children[j], "material"))
 				layer->material = body->material;
 		}
+	}
+}
+
+static void finish_materials(struct scene *scene, const struct node *materials)
+{
+	for (int k = 0; k < scene->n_materials; k++) {
+		struct scene_material *material = &scene->materials[k];
+		if (!node_find(materials->children[k], "freezing"))
+			material->freezing[0] = material->freezing[1] = NAN;
+		material->latent_heat = otherwise(material->latent_heat, 0.0);
+		material->heat_capacity_frozen = otherwise(material->heat_capacity_frozen, material->heat_capacity);
 	}
 }
 
@@ -87,6 +105,8 @@ void finish_scene(struct loader *loader)
 		scene->thermal.on = needs_heat(scene);
 	for (int k = 0; k < scene->n_laws; k++)
 		finish_rve(&scene->laws[k].rve);
+	if (scene->n_materials)
+		finish_materials(scene, node_find(loader->root, "materials"));
 	if (scene->n_bodies)
 		finish_bodies(scene, node_find(loader->root, "bodies"));
 	finish_walls(scene);

@@ -15,6 +15,7 @@
 	.element_size = sizeof *((struct s *)0)->array
 #define CHOICES(...) .choices = (const char *const[]){__VA_ARGS__, NULL}
 #define KEYS(table) .tables = (const struct scene_table[]){{NULL, table}, {NULL, NULL}}
+#define SERIES .expected = "rows ([s, value], [s, value], ...), two at least, in the order of time"
 #define END {.name = NULL}
 
 static const struct scene_key units_keys[] = {
@@ -54,12 +55,16 @@ static const struct scene_key time_keys[] = {
 static const struct scene_key mpm_keys[] = {
 	{.name = "shape", .type = KEY_CHOICE, AT(scene_mpm, shape), .value = "\"ugimp\"", CHOICES("ugimp", "linear"),
 	 .doc = "shape functions"},
-	{.name = "transfer", .type = KEY_CHOICE, AT(scene_mpm, transfer), .value = "\"flip\"", CHOICES("flip"),
-	 .doc = "how velocities go from the nodes to the points"},
-	{.name = "order", .type = KEY_CHOICE, AT(scene_mpm, order), .value = "\"usl\"", CHOICES("usl"),
-	 .doc = "when stresses are updated: usl = last in the step"},
+	{.name = "transfer", .type = KEY_ENUM, AT(scene_mpm, transfer), .value = "\"flip\"", .choices = mpm_transfer_names,
+	 .doc = "how velocities go from the nodes to the points; tmdempm info says how"},
+	{.name = "xpic_order", .type = KEY_INT, AT(scene_mpm, xpic_order), .value = "2", .range = RANGE_WITHIN, .min = 1, .max = 100,
+	 .doc = "m of XPIC(m) and FMPM(m); 1 is PIC, each order more costs one pass over the points"},
+	{.name = "xpic_every", .type = KEY_INT, AT(scene_mpm, xpic_every), .value = "1", .range = RANGE_WITHIN, .min = 1, .max = 1000000,
+	 .doc = "they act in one step of so many, the others are FLIP"},
+	{.name = "order", .type = KEY_ENUM, AT(scene_mpm, order), .value = "\"usl\"", .choices = mpm_order_names,
+	 .doc = "when stresses are updated: usl = last in the step, usf = first, musl = last, from the points' new velocities"},
 	{.name = "pic_fraction", .type = KEY_FLOAT, AT(scene_mpm, pic_fraction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
-	 .doc = "share of PIC in each step's velocity update; smooths like a viscosity of about 0.19 pic_fraction cell^2 / step"},
+	 .doc = "share of PIC in the velocity update of each FLIP step; smooths like a viscosity of about 0.19 pic_fraction cell^2 / step"},
 	{.name = "damping_particle", .type = KEY_FLOAT, AT(scene_mpm, damping_particle), .unit = "1/s", .value = "0.0",
 	 .range = RANGE_NOT_NEGATIVE, .doc = "damping rate of the points' velocity"},
 	{.name = "damping_grid", .type = KEY_FLOAT, AT(scene_mpm, damping_grid), .unit = "1/s", .value = "0.0",
@@ -73,6 +78,8 @@ static const struct scene_key thermal_keys[] = {
 	 .doc = "heat is conducted and stored; false = no thermal pass"},
 	{.name = "friction_heat", .type = KEY_BOOL, AT(scene_thermal, friction_heat), .value = "true",
 	 .doc = "friction between the discs of RVEs heats the points"},
+	{.name = "time_scale", .type = KEY_FLOAT, AT(scene_thermal, time_scale), .value = "1.0", .range = RANGE_POSITIVE,
+	 .doc = "heat conduction, fluxes and convection run so many times faster than the mechanics; friction heat, times of tables and from/until do not"},
 	END};
 
 /* ---- laws ---- */
@@ -188,7 +195,16 @@ static const struct scene_key material_keys[] = {
 	{.name = "conductivity", .type = KEY_FLOAT, AT(scene_material, conductivity), .unit = "W/(m K)", .range = RANGE_NOT_NEGATIVE,
 	 .absent = "from the contacts of an rve; thermoelastic: only without heat", .doc = "thermal conductivity"},
 	{.name = "reference_temperature", .type = KEY_TEMPERATURE, AT(scene_material, reference_temperature),
-	 .absent = "the body's temperature", .doc = "at which the thermal strain is zero"},
+	 .absent = "the temperature at the start", .doc = "at which the thermal strain is zero"},
+	{.name = "freezing", .type = KEY_CUSTOM, AT(scene_material, freezing), .absent = "it does not freeze", .read = read_freezing,
+	 .expected = "two temperatures [frozen below, thawed above], the same or rising",
+	 .doc = "[frozen below, thawed above]; between them the latent heat is spread evenly; heat_capacity and conductivity are those of the thawed material"},
+	{.name = "latent_heat", .type = KEY_FLOAT, AT(scene_material, latent_heat), .unit = "J/kg", .absent = "none", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "that thawing takes and freezing gives, per mass of the bulk"},
+	{.name = "heat_capacity_frozen", .type = KEY_FLOAT, AT(scene_material, heat_capacity_frozen), .unit = "J/(kg K)", .range = RANGE_POSITIVE,
+	 .absent = "heat_capacity", .doc = "when frozen"},
+	{.name = "conductivity_frozen", .type = KEY_FLOAT, AT(scene_material, conductivity_frozen), .unit = "W/(m K)", .range = RANGE_NOT_NEGATIVE,
+	 .absent = "as when thawed", .doc = "when frozen, also of an rve"},
 	END};
 
 /* ---- bodies and walls ---- */
@@ -214,6 +230,10 @@ static const struct scene_key body_keys[] = {
 	{.name = "points_per_cell", .type = KEY_INT, AT(scene_body, points_per_cell), .value = "4", .range = RANGE_WITHIN, .min = 1, .max = 16,
 	 .doc = "1, 4, 9 or 16; the spacing is cell / sqrt(points_per_cell)"},
 	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_body, temperature), .absent = "20 C", .doc = "at the start"},
+	{.name = "temperature_gradient", .type = KEY_FLOATS, AT(scene_body, temperature_gradient), .count = 2, .unit = "K/m", .value = "[0.0, 0.0]",
+	 .doc = "at the start, added to the temperatures of the body and its layers"},
+	{.name = "temperature_at", .type = KEY_FLOATS, AT(scene_body, temperature_at), .count = 2, .unit = "m",
+	 .absent = "the lower left corner of the box around the body", .doc = "where those temperatures hold"},
 	{.name = "velocity", .type = KEY_FLOATS, AT(scene_body, velocity), .count = 2, .unit = "m/s", .value = "[0.0, 0.0]",
 	 .doc = "at the start"},
 	{.name = "variants", .type = KEY_INT, AT(scene_body, variants), .value = "1", .range = RANGE_WITHIN, .min = 1, .max = 1000,
@@ -243,6 +263,8 @@ static const struct scene_key wall_keys[] = {
 	 .doc = "the wall moves with it while it is active"},
 	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_wall, temperature), .absent = "insulating",
 	 .doc = "of nodes in contact with the wall"},
+	{.name = "temperature_table", .type = KEY_CUSTOM, AT(scene_wall, temperature_table), .absent = "constant", .read = read_temperature_series, SERIES,
+	 .doc = "or as it changes in time: ([s, temperature], ...), linear between the rows, held outside them"},
 	{.name = "heat_share", .type = KEY_FLOAT, AT(scene_wall, heat_share), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
 	 .doc = "share of the friction work at the wall that heats the material"},
 	{.name = "from", .type = KEY_FLOAT, AT(scene_wall, from), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
@@ -253,18 +275,33 @@ static const struct scene_key wall_keys[] = {
 	 .doc = "false leaves the wall out of the scene, for variants"},
 	END};
 
+static const struct scene_key convection_keys[] = {
+	{.name = "coefficient", .type = KEY_FLOAT, AT(scene_convection, coefficient), .unit = "W/(m2 K)", .absent = "no convection", .range = RANGE_POSITIVE,
+	 .doc = "of heat transfer"},
+	{.name = "ambient", .type = KEY_TEMPERATURE, AT(scene_convection, ambient), .absent = "only with ambient_table",
+	 .doc = "temperature of the surroundings"},
+	{.name = "ambient_table", .type = KEY_CUSTOM, AT(scene_convection, ambient_table), .absent = "constant", .read = read_temperature_series, SERIES,
+	 .doc = "or as it changes in time: ([s, temperature], ...)"},
+	END};
+
 static const struct scene_key boundary_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_boundary, name), .required = true, .doc = "of the boundary"},
 	{.name = "box", .type = KEY_CUSTOM, AT(scene_boundary, min), .n_offset = offsetof(struct scene_boundary, max), .unit = "m", .required = true, .read = read_box,
-	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "nodes in [xmin, ymin, xmax, ymax] (which may have no width); points, for a flux"},
+	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "nodes in [xmin, ymin, xmax, ymax] (which may have no width); points, for a flux or convection"},
 	{.name = "velocity_x", .type = KEY_FLOAT, AT(scene_boundary, velocity[0]), .unit = "m/s", .absent = "free",
 	 .doc = "imposed on the nodes"},
 	{.name = "velocity_y", .type = KEY_FLOAT, AT(scene_boundary, velocity[1]), .unit = "m/s", .absent = "free",
 	 .doc = "imposed on the nodes"},
 	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_boundary, temperature), .absent = "free", .doc = "imposed on the nodes"},
+	{.name = "temperature_table", .type = KEY_CUSTOM, AT(scene_boundary, temperature_table), .absent = "constant", .read = read_temperature_series, SERIES,
+	 .doc = "or as it changes in time: ([s, temperature], ...), linear between the rows, held outside them"},
 	{.name = "flux", .type = KEY_FLOAT, AT(scene_boundary, flux), .unit = "W/m2", .absent = "none", .doc = "heat into the material"},
+	{.name = "flux_table", .type = KEY_CUSTOM, AT(scene_boundary, flux_table), .unit = "W/m2", .absent = "constant", .read = read_series, SERIES,
+	 .doc = "or as it changes in time: ([s, flux], ...)"},
+	{.name = "convection", .type = KEY_GROUP, AT(scene_boundary, convection), KEYS(convection_keys),
+	 .doc = "heat exchanged with the surroundings: coefficient (ambient - temperature in the layer)"},
 	{.name = "layer", .type = KEY_FLOAT, AT(scene_boundary, layer), .unit = "m", .absent = "one cell", .range = RANGE_POSITIVE,
-	 .doc = "thickness over which the flux enters"},
+	 .doc = "thickness over which a flux enters or convection acts"},
 	{.name = "from", .type = KEY_FLOAT, AT(scene_boundary, from), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
 	 .doc = "active from this time"},
 	{.name = "until", .type = KEY_FLOAT, AT(scene_boundary, until), .unit = "s", .absent = "for ever", .range = RANGE_POSITIVE,
@@ -494,7 +531,7 @@ static void consider(void *data, const char *path, const struct scene_key *key)
 	}
 }
 
-void scene_keys_nearest(const char *path, char *nearest)
+void keys_nearest(const struct scene_key *keys, const char *path, char *nearest)
 {
 	struct search search = {.best = 1 << 20, .nearest = nearest};
 	size_t n = 0;
@@ -508,5 +545,5 @@ void scene_keys_nearest(const char *path, char *nearest)
 	const char *dot = strrchr(search.plain, '.');
 	search.last = dot ? dot + 1 : search.plain;
 	nearest[0] = '\0';
-	scene_keys_visit(consider, &search);
+	visit_keys(keys, "", consider, &search);
 }

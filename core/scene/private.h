@@ -100,14 +100,14 @@ extern const struct scene_table scene_root_tables[];
 const struct scene_key *tables_choose(const struct scene_table *tables, const struct node *node);
 const struct scene_key *keys_find(const struct scene_key *keys, const char *name);
 
-/* Calls visit() for every key of the table, depth first, with its path ("walls.[].friction"). */
+/* Calls visit() for every key of the scenes' table, depth first, with its path ("walls.[].friction"). */
 void scene_keys_visit(void (*visit)(void *data, const char *path, const struct scene_key *key), void *data);
 
 /* What scenarios/reference.cfg says behind a key: unit, meaning, choices, default. */
 void scene_key_comment(const struct scene_key *key, char *text, size_t size);
 
 /* The known path that looks most like `path` (indices are ignored); written to nearest[PATH_LENGTH]. */
-void scene_keys_nearest(const char *path, char *nearest);
+void keys_nearest(const struct scene_key *keys, const char *path, char *nearest);
 
 /* Edits that turn one word into the other; swapping neighbours counts one. */
 int edit_distance(const char *a, const char *b);
@@ -125,8 +125,10 @@ struct block; /* of the arena */
 
 struct loader {
 	jmp_buf no_memory;
+	const struct file_kind *kind;
+	void *target;          /* what the table fills; for scenes, `scene` itself */
 	struct block *scratch; /* arena of the tree, the sources, the problems; freed after loading */
-	struct scene *scene;
+	struct scene *scene;   /* also the owner of the memory that outlives loading */
 	struct node *root;
 	int n_problems, capacity_problems;
 	struct problem *problems;
@@ -139,6 +141,20 @@ struct loader {
 	char *buffer;
 	bool unreadable; /* a file was there but could not be read */
 };
+
+/* ---- files with a key table of their own (scenes, studies) ---- */
+
+struct file_kind {
+	const char *name; /* "scene", for messages */
+	const struct scene_table *tables;
+	/* After the keys are read: dependent defaults, and what no single key can tell. */
+	void (*finish)(struct loader *loader, void *target);
+};
+
+/* Reads a file through the table of `kind` into *target (zeroed); the strings and lists in it live in *storage,
+ * which scene_free() frees.  Messages go to `errors` (a FILE *).  STATUS_INPUT, or STATUS_RESOURCE. */
+int file_kind_load(const struct file_kind *kind, struct scene **storage, void *target, const char *path, int n_sets,
+				   const char *const *sets, void *errors);
 
 void *loader_alloc(struct loader *loader, size_t bytes); /* zeroed; never NULL; until loading ends */
 void *scene_alloc(struct loader *loader, size_t bytes);  /* the same, as long as the scene lives */
@@ -209,7 +225,7 @@ void tree_set(struct loader *loader, struct node *root, const char *assignment, 
 
 /* ---- read.c ---- */
 
-void read_scene(struct loader *loader);
+void read_places(struct loader *loader);
 void read_group(struct loader *loader, const struct scene_key *keys, struct node *group, void *target,
 				const char *path);
 bool read_numbers(struct loader *loader, const struct scene_key *key, struct node *node, int n, double *values,

@@ -494,9 +494,8 @@ static void read_value(struct loader *loader, const struct scene_key *key, struc
 			loader->scene->field[k_].place = list_->children[k_]->place;                                               \
 	} while (0)
 
-void read_scene(struct loader *loader)
+void read_places(struct loader *loader)
 {
-	read_group(loader, scene_root_tables[0].keys, loader->root, loader->scene, "");
 	PLACES(laws, "laws");
 	PLACES(materials, "materials");
 	PLACES(bodies, "bodies");

@@ -222,6 +222,20 @@ static void drop_inactive_walls(struct loader *loader)
 	}
 }
 
+static void finish(struct loader *loader, void *target)
+{
+	(void)target;
+	read_places(loader);
+	finish_scene(loader);
+	check_scene(loader);
+	if (loader->n_problems)
+		return;
+	write_text(loader);
+	drop_inactive_walls(loader);
+}
+
+static const struct file_kind scene_kind = {"scene", scene_root_tables, finish};
+
 static void load(struct loader *loader, const char *path, int n_sets, const char *const *sets)
 {
 	struct scene_place given = {scene_string(loader, path), 0};
@@ -234,13 +248,8 @@ static void load(struct loader *loader, const char *path, int n_sets, const char
 	}
 	if (!loader->root)
 		return;
-	read_scene(loader);
-	finish_scene(loader);
-	check_scene(loader);
-	if (loader->n_problems)
-		return;
-	write_text(loader);
-	drop_inactive_walls(loader);
+	read_group(loader, loader->kind->tables->keys, loader->root, loader->target, "");
+	loader->kind->finish(loader, loader->target);
 }
 
 static void release(struct loader *loader)
@@ -256,9 +265,10 @@ static void release(struct loader *loader)
 	free(loader);
 }
 
-int scene_load(struct scene **scene, const char *path, int n_sets, const char *const *sets, void *errors)
+int file_kind_load(const struct file_kind *kind, struct scene **storage, void *target, const char *path, int n_sets,
+				   const char *const *sets, void *errors)
 {
-	*scene = NULL;
+	*storage = NULL;
 	if (strlen(path) >= SCENE_PATH)
 		return error_set(STATUS_INPUT, "'%.60s...' is too long a path, expected at most %d characters", path,
 						 SCENE_PATH - 1);
@@ -270,7 +280,7 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 		free(read);
 		return error_set(status, "no memory to load '%s'", path);
 	}
-	loader->scene = read;
+	loader->kind = kind, loader->scene = read, loader->target = target ? target : read;
 	if (setjmp(loader->no_memory)) {
 		status = error_set(STATUS_RESOURCE, "no memory to load '%s'", path);
 	} else {
@@ -287,8 +297,13 @@ int scene_load(struct scene **scene, const char *path, int n_sets, const char *c
 	if (status)
 		scene_free(read);
 	else
-		*scene = read;
+		*storage = read;
 	return status;
+}
+
+int scene_load(struct scene **scene, const char *path, int n_sets, const char *const *sets, void *errors)
+{
+	return file_kind_load(&scene_kind, scene, NULL, path, n_sets, sets, errors);
 }
 
 void scene_free(struct scene *scene)
@@ -296,6 +311,34 @@ void scene_free(struct scene *scene)
 	if (scene)
 		arena_free(scene->storage);
 	free(scene);
+}
+
+/* ---- values in time ---- */
+
+double scene_value_at(double constant, const struct scene_series *series, double time)
+{
+	const double(*rows)[2] = (const double(*)[2])series->rows;
+	if (series->n == 0)
+		return constant;
+	int k = 0;
+	while (k < series->n && rows[k][0] <= time)
+		k++;
+	if (k == 0 || k == series->n)
+		return rows[k ? k - 1 : 0][1];
+	double share = (time - rows[k - 1][0]) / (rows[k][0] - rows[k - 1][0]);
+	return rows[k - 1][1] + share * (rows[k][1] - rows[k - 1][1]);
+}
+
+bool scene_wall_heats(const struct scene_wall *wall) { return !isnan(wall->temperature) || wall->temperature_table.n; }
+
+bool scene_boundary_heats_nodes(const struct scene_boundary *boundary)
+{
+	return !isnan(boundary->temperature) || boundary->temperature_table.n;
+}
+
+bool scene_boundary_heats_points(const struct scene_boundary *boundary)
+{
+	return !isnan(boundary->flux) || boundary->flux_table.n || boundary->convection.coefficient > 0.0;
 }
 
 /* ---- temperatures ---- */

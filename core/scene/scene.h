@@ -12,12 +12,20 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "mpm/scheme.h"
+
 enum { SCENE_NAME = 64, SCENE_PATH = 1024 };
 
 /* Where in which file a thing was said, for messages that can only be given later. */
 struct scene_place {
 	const char *file; /* owned by the scene; "--set path=value" for an override */
 	int line;         /* 0 for an override */
+};
+
+/* What changes in time: rows of (s, value), linear between them, held before the first and behind the last. */
+struct scene_series {
+	int n;             /* 0 = there is none */
+	double (*rows)[2]; /* times strictly increase */
 };
 
 struct scene_units {
@@ -43,10 +51,12 @@ struct scene_time {
 };
 
 struct scene_mpm {
-	char shape[SCENE_NAME];    /* "ugimp" (default), "linear": names of the table shapes[] */
-	char transfer[SCENE_NAME]; /* "flip" (default) */
-	char order[SCENE_NAME];    /* "usl" (default) */
-	double pic_fraction;       /* alpha_PIC, fraction per step, eqs. 25-27; default 0 */
+	char shape[SCENE_NAME]; /* "ugimp" (default), "linear": names of the table shapes[] */
+	enum mpm_transfer transfer;
+	enum mpm_order order;
+	int xpic_order;            /* m of XPIC(m), FMPM(m); default 2 */
+	int xpic_every;            /* they act in every k-th step, the others are plain FLIP; default 1 */
+	double pic_fraction;       /* alpha_PIC, fraction per step, eqs. 25-27, of the steps that are FLIP; default 0 */
 	double damping_particle;   /* alpha_p, 1/s; default 0 */
 	double damping_grid;       /* alpha_g, 1/s; default 0 */
 	double confining_pressure; /* Pa; sigma + p_c I in the internal force (methods-mpm); default 0 */
@@ -55,6 +65,7 @@ struct scene_mpm {
 struct scene_thermal {
 	bool on;            /* default: true if anything in the scene needs heat; false = no thermal pass */
 	bool friction_heat; /* RVE friction heats the points; default true */
+	double time_scale;  /* conduction, fluxes and convection run so many times faster than the rest; default 1 */
 };
 
 /* ---- laws ---- */
@@ -125,7 +136,11 @@ struct scene_material {
 	double density;               /* bulk, kg/m3; NAN = from the RVE: grain density / (1 + e) */
 	double heat_capacity;         /* J/(kg K); NAN where there is no heat */
 	double conductivity;          /* W/(m K); NAN = from the law */
-	double reference_temperature; /* K, where thermal strain is zero; NAN = the body's temperature */
+	double reference_temperature; /* K, where thermal strain is zero; NAN = the point's temperature at birth */
+	double freezing[2];           /* K: frozen at and below the first, thawed at and above the second; NAN = neither */
+	double latent_heat;           /* J/kg, from frozen to thawed; 0 */
+	double heat_capacity_frozen;  /* J/(kg K); heat_capacity */
+	double conductivity_frozen;   /* W/(m K); NAN = as thawed */
 	struct scene_place place;
 };
 
@@ -145,6 +160,8 @@ struct scene_body {
 	double lattice_origin[2]; /* m; NAN = the grid's origin: points sit at (i + 1/2) cell/side from here */
 	int points_per_cell;      /* 1, 4, 9, 16 */
 	double temperature;       /* K */
+	double temperature_gradient[2]; /* K/m, added to the temperatures of the body and its layers; 0 */
+	double temperature_at[2];       /* m, where those hold */
 	double velocity[2];       /* m/s */
 	int variants;             /* packings with seeds seed .. seed+n-1 dealt out in turn; 1 */
 	int n_layers;
@@ -170,21 +187,32 @@ struct scene_wall {
 	enum scene_wall_contact contact;
 	double friction;    /* 0 */
 	double velocity[2]; /* m/s; the wall moves with it */
-	double temperature; /* K; NAN = insulating */
+	double temperature; /* K; NAN = insulating, or by the table */
+	struct scene_series temperature_table; /* K */
 	double heat_share;  /* share of wall friction that heats the material; 0..1, default 0 */
 	double from, until; /* s; active in [from, until); 0, infinity */
 	bool active;        /* true: a wall with `active = false` is left out of the loaded scene */
 	struct scene_place place;
 };
 
-/* Values imposed on nodes (velocity, temperature) or a flux on points inside a box. */
+/* A surface among its surroundings: heat of coefficient (ambient - T) per area. */
+struct scene_convection {
+	double coefficient; /* W/(m2 K); NAN = none */
+	double ambient;     /* K; NAN = by the table */
+	struct scene_series ambient_table; /* K */
+};
+
+/* Values imposed on nodes (velocity, temperature), or heat brought to points, inside a box. */
 struct scene_boundary {
 	char name[SCENE_NAME];
 	double min[2], max[2]; /* m, a box; nodes within 1e-9 cell of it count */
 	double velocity[2];    /* m/s, each NAN = free */
-	double temperature;    /* K; NAN = free */
-	double flux;           /* W/m2 into the material; NAN = none; spread over `layer` */
-	double layer;          /* m, thickness over which the flux enters (virtual layer, eq. 10); default one cell */
+	double temperature;    /* K; NAN = free, or by the table */
+	struct scene_series temperature_table; /* K */
+	double flux;           /* W/m2 into the material; NAN = none, or by the table */
+	struct scene_series flux_table; /* W/m2 */
+	struct scene_convection convection;
+	double layer;          /* m, thickness over which heat enters (virtual layer, eq. 10); default one cell */
 	double from, until;    /* s */
 	struct scene_place place;
 };
@@ -306,8 +334,18 @@ double scene_body_spacing(const struct scene *scene, const struct scene_body *bo
  * (n entries, m; NULL if none).  STATUS_INPUT for an absurd count, STATUS_RESOURCE for lack of memory. */
 int scene_body_points(const struct scene *scene, const struct scene_body *body, double (**x)[2], int *n);
 
+/* What the temperature gradient of a body adds at a place, K. */
+double scene_body_warming(const struct scene_body *body, const double x[2]);
+
 /* Index of the layer in which height y lies (the top one above all), -1 without layers. */
 int scene_body_layer(const struct scene_body *body, double y);
+
+/* A constant, unless the series has rows: then its value at this time, s. */
+double scene_value_at(double constant, const struct scene_series *series, double time);
+
+bool scene_wall_heats(const struct scene_wall *wall);                     /* imposes a temperature on nodes */
+bool scene_boundary_heats_nodes(const struct scene_boundary *boundary);   /* the same */
+bool scene_boundary_heats_points(const struct scene_boundary *boundary);  /* by a flux or convection */
 
 /* K -> the scene's unit, and back. */
 double scene_temperature_out(const struct scene *scene, double kelvin);

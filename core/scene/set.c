@@ -50,8 +50,8 @@ static struct node *parse_value(struct loader *loader, bool bare, const char *te
 static void unknown(struct loader *loader, struct scene_place place, const char *path)
 {
 	char nearest[PATH_LENGTH];
-	scene_keys_nearest(path, nearest);
-	problem_at(loader, place, path, "is not known, expected a key of the scene such as %s", nearest);
+	keys_nearest(loader->kind->tables->keys, path, nearest);
+	problem_at(loader, place, path, "is not known, expected a key of the %s such as %s", loader->kind->name, nearest);
 }
 
 /* The element that one component of a path means: an index, or the name of a group in the list. */
@@ -157,7 +157,7 @@ static bool follow(struct loader *loader, struct spot *spot, const struct node *
 	for (const char *at = path;; at += strcspn(at, ".") + 1) {
 		size_t n = strcspn(at, ".");
 		bool last = at[n] == '\0';
-		const struct scene_table *tables = spot->node == root ? scene_root_tables
+		const struct scene_table *tables = spot->node == root ? loader->kind->tables
 										   : spot->key        ? spot->key->tables
 															  : NULL;
 		if (spot->node->type == NODE_GROUP && tables) {
@@ -229,11 +229,13 @@ static struct node *load_variant(struct loader *loader, struct node *variant, co
 					   "stands in a variant, expected only title, base and set = (\"%s=...\")", child->name);
 	}
 	if (!base) {
-		problem_at(loader, set->place, "set", "needs a scene to change, expected base = \"file.cfg\" beside it");
+		problem_at(loader, set->place, "set", "needs a %s to change, expected base = \"file.cfg\" beside it",
+				   loader->kind->name);
 		return NULL;
 	}
 	if (base->type != NODE_STRING) {
-		problem_at(loader, base->place, "base", "is %s, expected the name of a scene file in quotes", node_kind(base));
+		problem_at(loader, base->place, "base", "is %s, expected the name of a %s file in quotes", node_kind(base),
+				   loader->kind->name);
 		return NULL;
 	}
 	struct node *root = load(loader, path_beside(loader, chain->path, base->string), base->place, chain);

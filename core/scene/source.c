@@ -95,7 +95,7 @@ static void end_line(struct assembly *a, struct scene_place place)
 static void open_bracket(struct assembly *a, struct reader *r, char c)
 {
 	if (a->n_levels == NESTING_MAX) {
-		FATAL(a, r, "brackets nested deeper than %d, expected a scene", NESTING_MAX);
+		FATAL(a, r, "brackets nested deeper than %d, expected a %s", NESTING_MAX, a->loader->kind->name);
 		r->at = r->end;
 		return;
 	}
@@ -441,7 +441,7 @@ static bool assemble_file(struct assembly *a, const char *path, struct scene_pla
 	char *text = slurp(loader, path, &bytes);
 	if (!text) {
 		loader->unreadable |= errno != ENOENT && errno != ENOTDIR && errno != EISDIR && errno != EFBIG;
-		FATAL(a, &at_from, "cannot read '%s' (%s), expected a scene file", path, strerror(errno));
+		FATAL(a, &at_from, "cannot read '%s' (%s), expected a %s file", path, strerror(errno), loader->kind->name);
 		return false;
 	}
 	const char *file = scene_string(loader, path);

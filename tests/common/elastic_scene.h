@@ -37,9 +37,9 @@ static inline struct scene *elastic_scene_init(struct elastic_scene *s, int cell
 	scene->time =
 		(struct scene_time){.end = 1.0, .step = step, .step_factor = 1.0, .thermal_steps = 1, .thermal_every = 1};
 	snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "ugimp");
-	snprintf(scene->mpm.transfer, sizeof scene->mpm.transfer, "flip");
-	snprintf(scene->mpm.order, sizeof scene->mpm.order, "usl");
+	scene->mpm.xpic_order = 2, scene->mpm.xpic_every = 1;
 	scene->thermal.friction_heat = true;
+	scene->thermal.time_scale = 1.0;
 	scene->guards.points_leaving = true;
 	scene->laws = s->laws, scene->n_laws = 1;
 	scene->materials = s->materials, scene->n_materials = 1;
@@ -49,8 +49,14 @@ static inline struct scene *elastic_scene_init(struct elastic_scene *s, int cell
 		s->laws[k].type = SCENE_LAW_THERMOELASTIC;
 		s->laws[k].thermoelastic = (struct scene_law_thermoelastic){.young = young, .poisson = poisson};
 		snprintf(s->materials[k].name, sizeof s->materials[k].name, "stuff%d", k);
-		s->materials[k] = (struct scene_material){
-			.law = k, .density = density, .heat_capacity = 1.0, .conductivity = 0.0, .reference_temperature = NAN};
+		s->materials[k] = (struct scene_material){.law = k,
+												  .density = density,
+												  .heat_capacity = 1.0,
+												  .conductivity = 0.0,
+												  .reference_temperature = NAN,
+												  .freezing = {NAN, NAN},
+												  .heat_capacity_frozen = 1.0,
+												  .conductivity_frozen = NAN};
 	}
 	return scene;
 }
@@ -114,6 +120,7 @@ static inline struct scene_boundary *elastic_scene_boundary(struct elastic_scene
 								 .velocity = {NAN, NAN},
 								 .temperature = NAN,
 								 .flux = NAN,
+								 .convection = {.coefficient = NAN, .ambient = NAN},
 								 .layer = s->scene.grid.cell,
 								 .until = INFINITY};
 	return b;
@@ -125,7 +132,7 @@ static inline void elastic_scene_heat(struct elastic_scene *s, double expansion,
 	s->scene.thermal.on = true;
 	for (int k = 0; k < 2; k++) {
 		s->laws[k].thermoelastic.expansion = expansion;
-		s->materials[k].heat_capacity = heat_capacity;
+		s->materials[k].heat_capacity = s->materials[k].heat_capacity_frozen = heat_capacity;
 		s->materials[k].conductivity = conductivity;
 	}
 }

@@ -1,6 +1,8 @@
 # timeout: 300
 """A run that is stopped and continued is the run that was not: state, history, paths, files, bit for bit;
 and one thread computes what two do.  1000 steps + 1000 steps = 2000 steps."""
+import json
+
 from e2e import *
 
 # Everything that a run writes apart from times and names of this very run.
@@ -36,15 +38,44 @@ def continued(scene, half, end):
         same_file(f("whole", "checkpoint.h5"), f("new", "checkpoint.h5"), "checkpoints")
 
 
+# The block freezes from a floor that grows colder, in wind and sun, on a thermal clock of its own.
+FROST = BLOCK.replace("temperature = 50.0;", "temperature_table = ([0.0, 0.0], [0.05, -30.0], [0.15, -5.0]);").replace(
+    "conductivity = 1.0;", "conductivity = 1.0; freezing = [-1.0, 0.0]; latent_heat = 500.0; conductivity_frozen = 2.0;"
+    " heat_capacity_frozen = 80.0;").replace(
+    "temperature = 20.0;", "temperature = 0.5; temperature_gradient = [0.0, 2.0];").replace(
+    "thermal = { on = true; };", "thermal = { time_scale = 4000.0; };") + """
+boundaries = ( { name = "wind"; box = [0.2, 0.1, 0.4, 0.6]; until = 0.15;
+                 convection = { coefficient = 20.0; ambient_table = ([0.0, 10.0], [0.2, -10.0]); }; },
+               { name = "sun"; box = [0.2, 0.4, 0.8, 0.7]; flux_table = ([0.02, 0.0], [0.2, 300.0]); } );
+"""
+
+
 def threads():
-    """Enough points for every pass to be shared out; heat, a wall that moves and friction."""
+    """Enough points for every pass to be shared out; heat in every way, a wall and friction."""
     with Folder() as f:
-        cfg = f.write("s.cfg", BLOCK.replace("cell = 0.1", "cell = 0.0125").replace("step = 1e-4", "step = 5e-5")
+        cfg = f.write("s.cfg", FROST.replace("cell = 0.1", "cell = 0.0125").replace("step = 1e-4", "step = 5e-5")
+                      .replace("time_scale = 4000.0", "time_scale = 50.0")
                       + "output = { history_every = 0.0005; snapshot_every = 0.005; };")
         for n in (1, 2, 4):
             tmdempm("run", cfg, "--out", f("t%d" % n), "--until", 0.01, threads=n)
         compare(f("t1"), f("t2"))
         compare(f("t1"), f("t4"))
+
+
+def frost():
+    """That the scene above does freeze and thaw, its heat adds up, and its clock is told."""
+    with Folder() as f:
+        cfg = f.write("s.cfg", FROST)
+        said = tmdempm("run", cfg, "--out", f("out"), "--until", 0.2)
+        expect("4000 times faster" in said.stdout + said.stderr, said.stdout + said.stderr)
+        with open(f("out", "run.json"), encoding="utf-8") as stream:
+            report = json.load(stream)
+        expect(report["thermal_time_scale"] == 4000.0, report)
+        expect(any("4000 times faster" in w for w in report["warnings"]), report["warnings"])
+        residual, given = column(f("out"), "heat_residual [J]"), column(f("out"), "heat_in [J]")
+        expect(max(map(abs, residual)) < 1e-9 * given[-1], "heat residual %g of %g J" % (max(map(abs, residual)), given[-1]))
+        T = column(f("out"), "C.temperature [C]")
+        expect(min(T) < -2.0 and T[0] > 0.0, "it did not freeze: %s" % T)
 
 
 def instruction_sets():
@@ -97,7 +128,9 @@ def refused():
 # the half lies on a snapshot but between two rows: the row at its end is written again
 continued(BLOCK + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.1, 0.2)
 continued(COLUMN.replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), 0.03, 0.06)
+continued(FROST + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.1, 0.2)
 threads()
+frost()
 instruction_sets()
 other_packing()
 refused()

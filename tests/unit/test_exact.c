@@ -114,6 +114,64 @@ static void test_rod(void **state)
 	assert_near(at(&c, EXACT_STRESS_XX, 0.5, 0.0, 1e3), -0.5 * 1.33e7 * 1e-4 * 50.0, 1e-6);
 }
 
+/* Where the temperature passes zero. */
+static double front(const struct case_of *c, double t)
+{
+	double low = 0.0, high = 3.0;
+	for (int k = 0; k < 60; k++) {
+		double x = 0.5 * (low + high);
+		*((at(c, EXACT_TEMPERATURE, x, 0.0, t) > 0.0) == (at(c, EXACT_TEMPERATURE, 0.0, 0.0, t) > 0.0) ? &low : &high) =
+			x;
+	}
+	return 0.5 * (low + high);
+}
+
+/* Both sides conduct, and the heat that comes to the front is the latent heat of what it sweeps. */
+static void test_neumann(void **state)
+{
+	(void)state;
+	const char *const thaws[] = {"temperature_start=-3", "temperature_surface=20", "density=2", "latent_heat=40", NULL};
+	const double k[2] = {2.2, 0.6}, c[2] = {2.0, 4.0}; /* frozen, thawed: the defaults */
+	for (int near = 0; near < 2; near++) {
+		struct case_of n = make("neumann", near ? thaws : NULL);
+		double density = near ? 2.0 : 1.0, latent = near ? 40.0 : 80.0, t = 0.3, d = 1e-3, x = front(&n, t);
+		double before[3] = {x - 0.1, 0.0, t}, behind[3] = {x + 0.1, 0.0, t};
+		conducts(&n, k[near] / (density * c[near]), 1, before);
+		conducts(&n, k[1 - near] / (density * c[1 - near]), 1, behind);
+		before[0] = x - 2.0 * d, behind[0] = x + 2.0 * d;
+		double comes = -k[near] * (slope(&n, EXACT_TEMPERATURE, before, 0, d) +
+								   2.0 * d * curvature(&n, EXACT_TEMPERATURE, before, 0, d)),
+			   goes = -k[1 - near] * (slope(&n, EXACT_TEMPERATURE, behind, 0, d) -
+									  2.0 * d * curvature(&n, EXACT_TEMPERATURE, behind, 0, d));
+		double takes = (near ? 1.0 : -1.0) * density * latent * (front(&n, t + d) - front(&n, t - d)) / (2.0 * d);
+		assert_near(comes - goes, takes, 1e-3 * fabs(takes));
+		assert_near(at(&n, EXACT_TEMPERATURE, 0.0, 0.0, t), near ? 20.0 : -10.0, 1e-12);
+		assert_near(at(&n, EXACT_TEMPERATURE, 50.0, 0.0, t), near ? -3.0 : 5.0, 1e-12);
+		assert_near(at(&n, EXACT_TEMPERATURE, 1.0, 0.0, 0.0), near ? -3.0 : 5.0, 0.0);
+	}
+	struct case_of both_cold = make("neumann", (const char *const[]){"temperature_start=-3", NULL});
+	assert_true(isnan(at(&both_cold, EXACT_TEMPERATURE, 0.5, 0.0, 0.1)));
+}
+
+/* Insulated at 0; at the other face the heat that is conducted is what the air brings. */
+static void test_cooling(void **state)
+{
+	(void)state;
+	const char *const sets[] = {"diffusivity=0.3", "biot=2.5", "temperature_start=10", "temperature_step=40", NULL};
+	struct case_of c = make("cooling", sets);
+	for (int k = 0; k < 3; k++) {
+		const double t = 0.03 + 0.3 * k, inside[3] = {0.6, 0.0, t}, face[3] = {1.0 - 2e-3, 0.0, t};
+		conducts(&c, 0.3, 1, inside);
+		double gradient =
+			slope(&c, EXACT_TEMPERATURE, face, 0, 1e-3) + 2e-3 * curvature(&c, EXACT_TEMPERATURE, face, 0, 1e-3);
+		assert_near(gradient, 2.5 * (50.0 - at(&c, EXACT_TEMPERATURE, 1.0, 0.0, t)), 2e-3 * gradient);
+		assert_near(at(&c, EXACT_TEMPERATURE, 1e-4, 0.0, t), at(&c, EXACT_TEMPERATURE, 0.0, 0.0, t), 1e-6);
+	}
+	assert_near(at(&c, EXACT_TEMPERATURE, 0.5, 0.0, 0.0), 10.0, 0.0);
+	assert_near(at(&c, EXACT_TEMPERATURE, 0.2, 0.0, 1e-4), 10.0, 1e-9);
+	assert_near(at(&c, EXACT_TEMPERATURE, 0.5, 0.0, 1e3), 50.0, 1e-9);
+}
+
 /* The table of the design, and the equations in units of another material. */
 static void test_danilovskaya(void **state)
 {
@@ -168,10 +226,8 @@ static void test_table(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_table),
-		cmocka_unit_test(test_conduction),
-		cmocka_unit_test(test_rod),
-		cmocka_unit_test(test_danilovskaya),
+		cmocka_unit_test(test_table),   cmocka_unit_test(test_conduction), cmocka_unit_test(test_rod),
+		cmocka_unit_test(test_neumann), cmocka_unit_test(test_cooling),    cmocka_unit_test(test_danilovskaya),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -121,6 +121,30 @@ static const struct {
 	{"[0.5, 0.3, 1.0, 0.3]", "[0.52, 0.32, 0.58, 0.38]", "boundaries.[0].box holds no node of the grid"},
 	{"temperature = 50", "from = 1", "boundaries.[0] imposes nothing"},
 	{"friction = 0.5", "from = 1; until = 0.5", "walls.[0].until is 0.5 s, expected more than from = 1 s"},
+	/* heat */
+	{"conductivity = 2;", "conductivity = 2; latent_heat = 5;",
+	 "materials.[0].latent_heat is given though the material does not freeze, expected freezing ="},
+	{"conductivity = 2;", "conductivity = 2; freezing = [1.0, 0.0];",
+	 "materials.[0].freezing falls, expected two temperatures"},
+	{"conductivity = 2;", "conductivity = 2; freezing = [-300.0, 0.0];",
+	 "materials.[0].freezing holds -300, below absolute zero, expected at least -273.15 C"},
+	{"conductivity = 2;", "conductivity = 2; freezing = -1.0;", "materials.[0].freezing is a number, expected two"},
+	{"temperature = 50", "temperature_table = ([0.0, 50.0])",
+	 "boundaries.[0].temperature_table has 1 row, expected rows ([s, value], [s, value], ...), two at least"},
+	{"temperature = 50", "temperature_table = ([0.0, 50.0], [0.0, 60.0])",
+	 "boundaries.[0].temperature_table goes from 0 s to 0 s, expected rows"},
+	{"temperature = 50", "temperature_table = ([0.0, 50.0], [1.0, -300.0])",
+	 "boundaries.[0].temperature_table holds -300, below absolute zero"},
+	{"temperature = 50", "temperature = 50; temperature_table = ([0, 50], [1, 60])",
+	 "boundaries.[0].temperature is given beside boundaries.[0].temperature_table, expected one of the two"},
+	{"temperature = 50", "convection = { coefficient = 5; }", "boundaries.[0].convection has no ambient"},
+	{"temperature = 50", "convection = { ambient = 5; }", "boundaries.[0].convection has no coefficient"},
+	{"friction = 0.5", "temperature = 5; temperature_table = ([0, 50], [1, 60])",
+	 "walls.[0].temperature is given beside walls.[0].temperature_table"},
+	{"temperature = 25", "temperature_gradient = [-1e3, 0.0]",
+	 "bodies.[0].temperature_gradient cools the body to -206.85 K at (1, 0.3), expected no temperature below"},
+	{"mpm = { shape = \"ugimp\"; };", "thermal = { time_scale = 0; };",
+	 "thermal.time_scale is 0, expected a number > 0"},
 	/* references */
 	{"law = \"law\"", "law = \"lav\"",
 	 "materials.[0].law \"lav\" is not defined, expected a name in laws (did you mean \"law\"?)"},
@@ -161,6 +185,18 @@ static const struct {
 	{"[10.0, 50.0]", "[50.0, 10.0]", "images.[0].range is [50, 10], expected min < max"},
 	{"[0.0, 0.0, 1.0, 1.0]", "[0.0, 0.0, 1.0, 0.0]", "regions.[0].box has no area"},
 	{"snapshot_every = 0.5", "snapshot_every = -0.5", "output.snapshot_every is -0.5, expected a number >= 0 (s)"},
+	{"shape = \"ugimp\"", "transfer = \"pic\"",
+	 "mpm.transfer is \"pic\", expected one of \"flip\", \"xpic\", \"fmpm\", \"apic\""},
+	{"shape = \"ugimp\"", "order = \"last\"", "mpm.order is \"last\", expected one of \"usl\", \"usf\", \"musl\""},
+	{"shape = \"ugimp\"", "xpic_order = 3",
+	 "mpm.xpic_order is 3, but transfer is \"flip\", expected transfer = \"xpic\""},
+	{"shape = \"ugimp\"", "transfer = \"xpic\"; xpic_order = 0", "mpm.xpic_order is 0, expected"},
+	{"shape = \"ugimp\"", "transfer = \"apic\"; xpic_every = 5",
+	 "mpm.xpic_every is 5, but transfer is \"apic\", expected transfer = \"xpic\""},
+	{"shape = \"ugimp\"", "transfer = \"apic\"; pic_fraction = 0.1",
+	 "mpm.pic_fraction is 0.1, but with transfer = \"apic\" no step is FLIP, expected 0"},
+	{"shape = \"ugimp\"", "transfer = \"fmpm\"; pic_fraction = 0.1",
+	 "mpm.pic_fraction is 0.1, but with transfer = \"fmpm\" no step is FLIP, expected 0, or xpic_every > 1"},
 	{"shape = \"ugimp\"", "damping_particle = 2e4",
 	 "mpm.damping_particle takes more than the whole velocity in one step"},
 };
@@ -275,6 +311,10 @@ static void messages_elsewhere(void **state)
 	EXPECT("	cell = 0.1;\n", "", "2: grid.cell is missing, expected a number > 0 (m): edge of the square cells");
 	EXPECT("conductivity = 2", "conductivity = 1e9",
 		   "9: time.step makes thermal steps of 0.0001 s, over the limit of material 'm', expected at most 2.5e-06 s");
+	EXPECT("conductivity = 2", "conductivity = 2; freezing = [0, 0]; conductivity_frozen = 1e9",
+		   "9: time.step makes thermal steps of 0.0001 s, over the limit of material 'm', expected at most 2.5e-06 s");
+	EXPECT("mpm = { shape = \"ugimp\"; };", "thermal = { time_scale = 3e10; };",
+		   "9: time.step makes thermal steps of 3e+06 s, over the limit of material 'm', expected at most 1250 s");
 	EXPECT("[0, 0.3], [2, 0.3]", "[2, 0.3], [0, 0.3]",
 		   "22: walls.[0].line stands in body 'b' at the start: 40 of its points are in the solid",
 		   "22: walls.[0].line stands in body 'c' at the start:");
@@ -288,6 +328,17 @@ static void messages_elsewhere(void **state)
 	EXPECT("grid = {", "grd = {", "2: grd is not known, expected another key (did you mean 'grid'?)");
 	EXPECT("cell = 0.1;", "", "2: grid.cell is missing");
 	EXPECT("mpm = {", "mpm = {{", "11: '{' is never closed");
+}
+
+/* Keys that do not go together, however far apart they stand. */
+static void opposites(void **state)
+{
+	(void)state;
+	const char *sets[] = {"time.thermal_steps=4", "materials.m.freezing=[0, 0]"};
+	write_scene(good);
+	char *messages = refusal(2, sets);
+	assert_non_null(strstr(messages, "time.thermal_steps is 4 though material 'm' freezes, expected 1"));
+	free(messages);
 }
 
 /* All errors of a file, in the order of its lines, whatever kind they are. */
@@ -438,10 +489,15 @@ static void unreadable_files(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(the_good_scene_is_good), cmocka_unit_test(one_slip_gives_one_message),
-		cmocka_unit_test(messages_elsewhere),     cmocka_unit_test(all_errors_are_reported),
-		cmocka_unit_test(grid_that_follows),      cmocka_unit_test(wrong_overrides),
-		cmocka_unit_test(wrong_variants),         cmocka_unit_test(unreadable_files),
+		cmocka_unit_test(the_good_scene_is_good),
+		cmocka_unit_test(one_slip_gives_one_message),
+		cmocka_unit_test(messages_elsewhere),
+		cmocka_unit_test(all_errors_are_reported),
+		cmocka_unit_test(opposites),
+		cmocka_unit_test(grid_that_follows),
+		cmocka_unit_test(wrong_overrides),
+		cmocka_unit_test(wrong_variants),
+		cmocka_unit_test(unreadable_files),
 	};
 	return cmocka_run_group_tests(tests, make_file, remove_file);
 }

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "../common/near.h"
 #include "scene/compare.h"
 #include "scene/scene.h"
 
@@ -91,6 +92,33 @@ static void defaults_are_filled_in(void **state)
 	assert_true(isnan(s->materials[0].reference_temperature));
 	assert_true(scene_temperature_out(s, 300.0) == 300.0 - 273.15 && scene_temperature_in(s, 0.0) == 273.15);
 	assert_string_equal(scene_temperature_unit(s), "C");
+	scene_free(s);
+}
+
+/* Temperatures of all sorts come in the scene's unit; tables are linear between their rows and held outside. */
+static void heat_is_read(void **state)
+{
+	(void)state;
+	struct scene *s =
+		LOAD(put("small.cfg", small), "materials.m.freezing = [-0.5, 0]", "materials.m.latent_heat = 5e4",
+			 "walls.roof.temperature_table = ([1, 10], [2, 20], [4, 0])", "bodies.b.temperature_gradient = [0, -2]",
+			 "boundaries.[0] = { name = \"air\"; box = [0.5, 0.3, 0.6, 0.6]; convection = { coefficient = 5; "
+			 "ambient_table = ([0, 0], [1, 30]); }; flux_table = ([0, 1], [1, 3]); }");
+	const struct scene_material *m = &s->materials[0];
+	assert_true(m->freezing[0] == 272.65 && m->freezing[1] == 273.15 && m->latent_heat == 5e4);
+	assert_true(m->heat_capacity_frozen == 500.0 && isnan(m->conductivity_frozen));
+	assert_true(s->thermal.time_scale == 1.0);
+	const double at[][2] = {{0.0, 10.0}, {1.0, 10.0}, {1.5, 15.0}, {2.0, 20.0}, {3.0, 10.0}, {4.0, 0.0}, {9.0, 0.0}};
+	const struct scene_wall *roof = &s->walls[1];
+	for (size_t k = 0; k < sizeof at / sizeof *at; k++)
+		assert_near(scene_value_at(roof->temperature, &roof->temperature_table, at[k][0]), 273.15 + at[k][1], 1e-12);
+	assert_true(scene_value_at(7.0, &s->walls[0].temperature_table, 1.0) == 7.0);
+	assert_true(scene_wall_heats(roof) && !scene_wall_heats(&s->walls[0]));
+	const struct scene_boundary *air = &s->boundaries[0];
+	assert_true(scene_boundary_heats_points(air) && !scene_boundary_heats_nodes(air));
+	assert_near(scene_value_at(air->convection.ambient, &air->convection.ambient_table, 0.5), 288.15, 1e-12);
+	assert_near(scene_value_at(air->flux, &air->flux_table, 0.5), 2.0, 1e-12); /* W/m2, no temperature */
+	assert_near(scene_body_warming(&s->bodies[0], (const double[2]){0.9, 0.5}), -0.4, 1e-12);
 	scene_free(s);
 }
 
@@ -291,6 +319,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(defaults_are_filled_in),
+		cmocka_unit_test(heat_is_read),
 		cmocka_unit_test(rve_defaults_are_those_of_the_paper),
 		cmocka_unit_test(polygons_are_turned_counter_clockwise),
 		cmocka_unit_test(includes_are_found_beside_their_file),

@@ -1,0 +1,10 @@
+# cmake -DOUT=FILE -P sources.cmake SOURCES...: a header with one hash of all these files.
+set(hashes "")
+math(EXPR last "${CMAKE_ARGC} - 1")
+foreach(k RANGE 4 ${last})
+	file(SHA256 ${CMAKE_ARGV${k}} hash)
+	string(APPEND hashes ${hash})
+endforeach()
+string(SHA256 hash "${hashes}")
+string(SUBSTRING ${hash} 0 16 hash)
+file(WRITE ${OUT} "#define ENGINE_SOURCES_HASH \"${hash}\"\n")
