@@ -95,6 +95,8 @@ int mpm_step(struct mpm *mpm)
 	mpm_clear_grid(mpm);
 	mpm_points_to_grid(mpm);
 	CHECK(guard_step(mpm, STATUS_GUARD));
+	if (w->body_force)
+		motion_forces(mpm);
 	mpm_integrate_nodes(mpm);
 	mpm_finish_nodes(mpm);
 	if (w->thermal_dt > 0.0)
@@ -172,6 +174,12 @@ static int create_work(struct mpm *mpm)
 		w->seen = calloc(nodes, sizeof *w->seen);
 		complete = complete && w->confining && w->seen;
 	}
+	bool driven = false;
+	for (int b = 0; b < mpm->scene->n_bodies; b++)
+		driven = driven || (mpm->scene->bodies[b].motion.solution && mpm->scene->bodies[b].motion.force);
+	if (driven)
+		w->body_force = calloc(nodes, sizeof *w->body_force);
+	complete = complete && (!driven || w->body_force);
 	return complete ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for %zu points on %zu nodes", n, nodes);
 }
 
@@ -272,6 +280,8 @@ static int give_birth(struct mpm *mpm, const struct birth *birth, int id, int at
 		p->v[at][c] = body->velocity[c];
 	}
 	mat2_identity(p->F[at]);
+	if (body->motion.solution)
+		CHECK(motion_begin(mpm, at, birth->x));
 	p->volume0[at] = side * side * scene->grid.thickness;
 	p->mass[at] = density * p->volume0[at];
 	p->T[at] = p->T_smooth[at] = birth->temperature;
@@ -438,7 +448,7 @@ void mpm_free(struct mpm *mpm)
 						   w->cell,       w->order,        w->cell_first, w->row_low,       w->row_high,
 						   w->scratch,    w->permutation,  w->sums,       w->confining,     w->stripe_sums,
 						   w->block_sums, w->row_sums,     w->heat_sums,  w->start_warming, w->seen,
-						   w->projected,  w->strain_power, w->way,        w->freezing};
+						   w->projected,  w->strain_power, w->way,        w->freezing,      w->body_force};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);
@@ -529,7 +539,8 @@ size_t mpm_memory(const struct mpm *mpm)
 	const struct mpm_work *w = mpm_work(mpm);
 	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, n = (size_t)mpm->p.n;
 	size_t per_node = sizeof(struct node_sum) + 7 * sizeof(double) + (mpm->thermal ? 6 * sizeof(double) : 0) +
-					  (w->fixed_v ? 4 * sizeof(double) : 0) + (w->confining ? 2 * sizeof(double) : 0) + sizeof(int) +
+					  (w->fixed_v ? 4 * sizeof(double) : 0) +
+					  ((w->confining != NULL) + (w->body_force != NULL)) * 2 * sizeof(double) + sizeof(int) +
 					  (w->projected ? sizeof *w->projected : 0);
 	size_t bytes = particles_bytes(&mpm->p) +
 				   n * (3 * sizeof(int) + particles_widest() + (w->way ? sizeof *w->way : 0)) + nodes * per_node +

@@ -59,6 +59,7 @@ struct row_sum {
 	double carried;                      /* sum m v.dv, J; of APIC only */
 	double power;                        /* W, of the internal forces on the nodes, see ledger.c */
 	double gravity, confining;           /* J, work of gravity and of the confining pressure */
+	double motion;                       /* J, work of the body force of motions */
 	double velocity_work, velocity_loss; /* J, of imposed velocities */
 };
 
@@ -153,6 +154,7 @@ struct mpm_work {
 
 	struct node_sum *sums;
 	double (*confining)[2];  /* m2: sum V grad w; NULL without confining pressure */
+	double (*body_force)[2]; /* N, by node, of bodies that follow a motion; NULL = none */
 	bool *seen;              /* by node, of a walk over the nodes beside a wall; NULL without confining pressure */
 	double *wall_heat;       /* J, by node: wall friction heat that waits for the thermal step; NULL = none */
 	double *fixed_T;         /* K, by node: imposed temperature, NAN = free; NULL without heat */
@@ -259,6 +261,12 @@ void point_park(struct particles *p, int k, struct block_sum *sum);
 /* ---- project.c ---- */
 void mpm_filter_nodes(struct mpm *mpm);
 void mpm_strain_points(struct mpm *mpm);
+
+/* ---- motion.c ---- */
+/* Puts a point of a body with a motion where that begins. */
+int motion_begin(struct mpm *mpm, int p, const double X[2]);
+/* The nodes' body forces of this step. */
+void motion_forces(struct mpm *mpm);
 
 /* ---- thermal.c ---- */
 void mpm_heat_nodes(struct mpm *mpm);

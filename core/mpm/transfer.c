@@ -190,6 +190,8 @@ static void integrate_row(struct mpm *mpm, struct mpm_work *w, int j)
 			double f = scale * sum->force[c] + sum->mass * g[c];
 			if (w->confining)
 				f -= confining * w->confining[node][c];
+			if (w->body_force)
+				f += w->body_force[node][c];
 			grid->force[node][c] = f;
 			grid->v[node][c] = sum->momentum[c] / sum->mass;
 			grid->v_new[node][c] = grid->v[node][c] + f / sum->mass * dt;
@@ -248,6 +250,8 @@ static struct row_sum finish_row(const struct mpm *mpm, const struct mpm_work *w
 			sum.gravity += grid->mass[node] * g[c] * mean * mpm->dt;
 			if (w->confining && grid->mass[node] > 0.0)
 				sum.confining -= confining * w->confining[node][c] * mean * mpm->dt;
+			if (w->body_force)
+				sum.motion += w->body_force[node][c] * mean * mpm->dt;
 			if (w->fixed_v && !isnan(w->fixed_v[node][c])) {
 				sum.velocity_work += w->fixed_push[node][c] * w->fixed_v[node][c];
 				sum.velocity_loss -= w->fixed_push[node][c] * (mean - w->fixed_v[node][c]);

@@ -93,52 +93,80 @@ static void discard(struct saved *saved)
 		free(saved->data[a]);
 }
 
+/* The transfer schemes and orders, and how long they are run: the first ones as long as needed to see everything. */
+static const struct {
+	enum mpm_transfer transfer;
+	enum mpm_order order;
+	int xpic_order, xpic_every;
+	const char *shape;
+	int steps; /* more than 64: across a change of stage and a re-sort */
+} schemes[] = {
+	{MPM_FLIP, MPM_USL, 2, 1, "ugimp", 180}, {MPM_XPIC, MPM_USF, 3, 4, "ugimp", 70},
+	{MPM_FMPM, MPM_MUSL, 2, 1, "ugimp", 70}, {MPM_APIC, MPM_USL, 2, 1, "ugimp", 70},
+	{MPM_APIC, MPM_MUSL, 2, 1, "ugimp", 70}, {MPM_APIC, MPM_USF, 2, 1, "linear", 70},
+};
+enum { SCHEMES = sizeof schemes / sizeof *schemes };
+
+static struct scene *everything_by(struct elastic_scene *s, int k)
+{
+	struct scene *scene = everything(s);
+	scene->mpm.transfer = schemes[k].transfer, scene->mpm.order = schemes[k].order;
+	scene->mpm.xpic_order = schemes[k].xpic_order, scene->mpm.xpic_every = schemes[k].xpic_every;
+	snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "%s", schemes[k].shape);
+	return scene;
+}
+
 static void test_threads(void **state)
 {
 	(void)state;
-	struct elastic_scene s;
-	struct scene *scene = everything(&s);
-	struct saved one;
 	const int threads[3] = {1, 2, 4};
-	for (int k = 0; k < 3; k++) {
-		omp_set_num_threads(threads[k]);
-		struct mpm *mpm = start(scene);
-		assert_true(mpm_parallel(mpm));
-		steps(mpm, 150);
-		mpm_measure(mpm);
-		if (k == 0)
-			save(mpm, &one);
-		else
-			assert_same(mpm, &one);
-		mpm_free(mpm);
+	for (int scheme = 0; scheme < SCHEMES; scheme++) {
+		struct elastic_scene s;
+		struct scene *scene = everything_by(&s, scheme);
+		struct saved one;
+		for (int k = 0; k < 3; k++) {
+			omp_set_num_threads(threads[k]);
+			struct mpm *mpm = start(scene);
+			assert_true(mpm_parallel(mpm));
+			steps(mpm, schemes[scheme].steps);
+			mpm_measure(mpm);
+			if (k == 0)
+				save(mpm, &one);
+			else
+				assert_same(mpm, &one);
+			mpm_free(mpm);
+		}
+		discard(&one);
 	}
 	omp_set_num_threads(1);
-	discard(&one);
 }
 
-/* 90 + restart + 90 = 180 steps, across a change of stage, a re-sort and an odd thermal step. */
+/* Half the steps + restart + half, across a change of stage, a re-sort and an odd thermal step. */
 static void test_restart(void **state)
 {
 	(void)state;
-	struct elastic_scene s;
-	struct scene *scene = everything(&s);
-	struct saved half, whole;
-	struct mpm *mpm = start(scene);
-	steps(mpm, 91);
-	mpm_measure(mpm);
-	save(mpm, &half);
-	steps(mpm, 89);
-	save(mpm, &whole);
-	mpm_free(mpm);
-	mpm = start(scene);
-	load(mpm, &half);
-	assert_same(mpm, &half);
-	steps(mpm, 89);
-	assert_same(mpm, &whole);
-	assert_int_equal(mpm->stage, 1);
-	mpm_free(mpm);
-	discard(&half);
-	discard(&whole);
+	for (int scheme = 0; scheme < SCHEMES; scheme++) {
+		struct elastic_scene s;
+		struct scene *scene = everything_by(&s, scheme);
+		struct saved half, whole;
+		struct mpm *mpm = start(scene);
+		int first = schemes[scheme].steps / 2 + 1, second = schemes[scheme].steps - first;
+		steps(mpm, first);
+		mpm_measure(mpm);
+		save(mpm, &half);
+		steps(mpm, second);
+		save(mpm, &whole);
+		mpm_free(mpm);
+		mpm = start(scene);
+		load(mpm, &half);
+		assert_same(mpm, &half);
+		steps(mpm, second);
+		assert_same(mpm, &whole);
+		assert_int_equal(mpm->stage, 1);
+		mpm_free(mpm);
+		discard(&half);
+		discard(&whole);
+	}
 }
 
 static void assert_says(const char *what)

@@ -68,6 +68,8 @@ static const struct {
 	{"cell = 0.1;", "cell = 0.1; /* and so on", "a comment is not closed, expected '*/'"},
 	{"cell = 0.1;", "cell = 0.1; \x01", "byte 0x01 has no meaning here"},
 	{"(\"ground\")", "(\"ground\",)", "',' before ')', expected a value or no comma"},
+	{"[1.4, 0.7]); }", "[1.4, 0.7]); motion = { solution = \"periodic\"; }; }",
+	 "bodies.[1].motion is imposed on law 'g', expected one of type \"thermoelastic\", or force = false"},
 	/* keys and types */
 	{"cell = 0.1;", "cel = 0.1;", "grid.cel is not known, expected another key (did you mean 'cell'?)"},
 	{"mpm = { shape", "mmp = { shape", "mmp is not known, expected another key (did you mean 'mpm'?)"},
