@@ -92,17 +92,10 @@ INLINE void check_point(const struct mpm *mpm, struct stripe_sum *sum, int p, do
 		sum->bad = p;
 }
 
-INLINE void check_point_heat(const struct mpm *mpm, const struct mpm_work *w, struct stripe_sum *sum, int p,
-							 double volume)
+INLINE void check_point_heat(const struct mpm *mpm, struct stripe_sum *sum, int p, double volume)
 {
 	const struct particles *points = &mpm->p;
-	double tensor[3];
-	mpm_point_conductivity(mpm, p, tensor);
-	double k = fmax(tensor[0], tensor[1]) + fabs(tensor[2]); /* bounds the larger eigenvalue */
-	double flow = k * volume;
-	if (w->n_point_heats)
-		flow += mpm_convection_as_conduction(mpm, p, volume);
-	double diffusivity = flow / (points->mass[p] * points->capacity[p]);
+	double diffusivity = mpm_conductance(mpm, p, volume) / (points->mass[p] * points->capacity[p]);
 	if (diffusivity > sum->diffusivity)
 		sum->diffusivity = diffusivity, sum->most_diffusive = p;
 	if (!isfinite(diffusivity + points->T[p]) && sum->bad < 0)
@@ -123,7 +116,7 @@ INLINE void scatter_stripe(const struct mpm *mpm, struct mpm_work *w, int stripe
 			double volume = mat2_determinant(points->F[chunk[k]]) * points->volume0[chunk[k]];
 			check_point(mpm, &sum, chunk[k], volume);
 			if (parts & PART_HEAT)
-				check_point_heat(mpm, w, &sum, chunk[k], volume);
+				check_point_heat(mpm, &sum, chunk[k], volume);
 			scatter_point(mpm, w, &lists, k * nodes, chunk[k], nodes, parts, volume);
 			if (parts & PART_AFFINE)
 				scatter_affine(mpm, w, &lists, k * nodes, chunk[k], side);

@@ -219,7 +219,7 @@ static void check_step(struct loader *loader, const struct scene_material *mater
 		density = law->rve.grain_density; /* the bulk is lighter: what is over this limit is over the true one */
 	if (law->type == SCENE_LAW_THERMOELASTIC) {
 		double limit = scene->time.step_factor * h * sqrt(density / p_wave_modulus(&law->thermoelastic));
-		if (step > limit)
+		if (scene->guards.time_step && step > limit)
 			problem_of(loader, "time.step",
 					   "is %g s, over the limit of material '%s', expected at most %.4g s = %g cell sqrt(density / M)",
 					   step, material->name, limit, scene->time.step_factor);
@@ -228,7 +228,7 @@ static void check_step(struct loader *loader, const struct scene_material *mater
 	double capacity = fmin(material->heat_capacity, material->heat_capacity_frozen);
 	double thermal_limit =
 		density * capacity * h * h / (2.0 * fmax(material->conductivity, material->conductivity_frozen));
-	if (scene->thermal.on && thermal_step > thermal_limit)
+	if (scene->thermal.on && scene->guards.thermal_step && thermal_step > thermal_limit)
 		problem_of(loader, scene->time.thermal_every > 1 ? "time.thermal_every" : "time.step",
 				   "makes thermal steps of %g s, over the limit of material '%s', expected at most %.4g s = density "
 				   "heat_capacity "
