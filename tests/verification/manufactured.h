@@ -9,6 +9,7 @@
  * time: positions lag by half a step behind leapfrog, dt v / 2, which is of the first order: dt ~ h^2 here, so that it
  * keeps pace. */
 #include <math.h>
+#include <omp.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -214,6 +215,27 @@ static void test_vortex(void **state)
 	assert_within(order[1], 1.8, 2.4);
 }
 
+/* The body force is added up in the same order whatever the number of threads. */
+static void test_threads(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	const struct mms m = {"axis_aligned", "ugimp", .amplitude = 0.05, .end = 1e-3, .courant = 0.2};
+	struct mpm *mpm[2];
+	for (int k = 0; k < 2; k++) {
+		omp_set_num_threads(k ? 3 : 1);
+		mpm[k] = mms_start(&s, &m, 32);
+		assert_true(mpm_parallel(mpm[k]));
+		steps(mpm[k], 10);
+	}
+	assert_memory_equal(mpm[0]->p.x, mpm[1]->p.x, (size_t)mpm[0]->p.n * sizeof *mpm[0]->p.x);
+	assert_memory_equal(mpm[0]->p.v, mpm[1]->p.v, (size_t)mpm[0]->p.n * sizeof *mpm[0]->p.v);
+	assert_memory_equal(&mpm_work(mpm[0])->total, &mpm_work(mpm[1])->total, sizeof mpm_work(mpm[0])->total);
+	omp_set_num_threads(1);
+	for (int k = 0; k < 2; k++)
+		mpm_free(mpm[k]);
+}
+
 #else
 
 /* One grid finer. */
@@ -251,7 +273,7 @@ int main(void)
 #else
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_small), cmocka_unit_test(test_crossing), cmocka_unit_test(test_large),
-		cmocka_unit_test(test_force), cmocka_unit_test(test_vortex),
+		cmocka_unit_test(test_force), cmocka_unit_test(test_vortex),   cmocka_unit_test(test_threads),
 	};
 #endif
 	return cmocka_run_group_tests(tests, NULL, NULL);
