@@ -193,7 +193,7 @@ static const struct scene_key root_keys[] = {
 	 .doc = "error against cost; or where a method fails, and whether a guard tells, every combination with and without guards"},
 	{.name = "scene", .type = KEY_GROUP, AT(study, scene), KEYS(scene_keys), .absent = "load", .doc = "what is run"},
 	{.name = "load", TEXTS(study, load), .absent = "scene", .expected = "a list of options of `tmdempm rve load` (\"rate=1\", ...)",
-	 .doc = "or one RVE alone: options of rve load but for packing files and out; knobs set options too"},
+	 .doc = "or one RVE alone: all options of rve load but out, such as \"rate=1\"; files are as seen from this file; knobs set options too"},
 	{.name = "knobs", LIST(study, knobs, n_knobs), KEYS(knob_keys), .required = true, .doc = "what is varied"},
 	{.name = "plan", .type = KEY_ENUM, AT(study, plan), .value = "\"product\"", CHOICES("product", "one_at_a_time", "list"),
 	 .doc = "every value with every other; each knob alone, the others as in around; or the list combinations"},
