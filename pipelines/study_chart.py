@@ -206,7 +206,8 @@ def draw_scatter(ax, study, norm, values):
     if scatter > 0:
         ax.axhspan(1e-300, scatter, color="0.93", zorder=0)
         ax.annotate("seed-to-seed scatter", (0.0, scatter), xycoords=("axes fraction", "data"), xytext=(3, -2),
-                    textcoords="offset points", va="top", color="0.45", fontsize=7)
+                    textcoords="offset points", va="top", color="0.4", fontsize=7, zorder=5,
+                    bbox={"facecolor": "0.93", "edgecolor": "none", "pad": 0.8})
         values.append(scatter)
 
 
