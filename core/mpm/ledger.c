@@ -169,6 +169,15 @@ static double work_scale(const struct mpm_sums *t)
 		   t->work_boundary_turnover;
 }
 
+double ledger_loss(const struct mpm *mpm)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	double power = 0.0;
+	for (int s = 0; s < w->n_stripes && mpm->scene->mpm.order != MPM_USF; s++)
+		power += w->stripe_sums[s].power;
+	return w->total.loss_numerical - 0.5 * mpm->dt * power;
+}
+
 void ledger_add_step(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);

@@ -55,7 +55,8 @@ static void column_scene(struct column *c, const char *shape, int side, bool the
 	s->thermal.on = thermal;
 	s->thermal.time_scale = 1.0;
 	s->gravity[1] = -9.81;
-	s->guards.points_leaving = true;
+	s->guards = (struct scene_guards){
+		.points_leaving = true, .time_step = true, .thermal_step = true, .numerical_fracture = true};
 	c->law = (struct scene_law){
 		.name = "elastic", .type = SCENE_LAW_THERMOELASTIC, .thermoelastic = {young, 0.3, 1e-5, false}};
 	c->material = (struct scene_material){.name = "solid",

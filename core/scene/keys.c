@@ -162,7 +162,7 @@ static const struct scene_key rve_keys[] = {
 	{.name = "resistance", .type = KEY_FLOAT, AT(scene_law, rve.resistance), .unit = "K/(W m)", .value = "1e4", .range = RANGE_POSITIVE,
 	 .doc = "thermal resistance of a contact per length of its branch"},
 	{.name = "step_factor", .type = KEY_FLOAT, AT(scene_law, rve.step_factor), .value = "0.4", .range = RANGE_WITHIN, .min = 0.001,
-	 .max = 0.6, .doc = "DEM step / sqrt(smallest mass / kn); unstable above 0.57 to 0.62"},
+	 .max = 2.0, .doc = "DEM step / sqrt(smallest mass / kn); unstable above 0.57 with ks = kn and damping_ratio 0.2, above less if either is larger"},
 	{.name = "strain_per_step", .type = KEY_FLOAT, AT(scene_law, rve.strain_per_step), .value = "5e-5", .range = RANGE_WITHIN, .min = 1e-9,
 	 .max = 0.01, .doc = "largest strain in one DEM step at 100 kPa: 5e-5 good, 2e-4 economy, 1e-6 with n_max = 0 reference"},
 	{.name = "pressure_scaling", .type = KEY_BOOL, AT(scene_law, rve.pressure_scaling), .value = "true",
@@ -403,6 +403,16 @@ static const struct scene_key guards_keys[] = {
 	 .doc = "share of the work done that may go astray before the run is stopped; 0 = off"},
 	{.name = "points_leaving", .type = KEY_BOOL, AT(scene_guards, points_leaving), .value = "true",
 	 .doc = "a point that leaves the grid stops the run"},
+	{.name = "energy_created", .type = KEY_FLOAT, AT(scene_guards, energy_created), .value = "0.25", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "share of the work done that the time integration may make of nothing before the run is stopped; 0 = off"},
+	{.name = "time_step", .type = KEY_BOOL, AT(scene_guards, time_step), .value = "true",
+	 .doc = "a step above the mechanical limit stops the run; false: for studies of stability only"},
+	{.name = "thermal_step", .type = KEY_BOOL, AT(scene_guards, thermal_step), .value = "true",
+	 .doc = "a step above the limit of heat conduction stops the run; false: for studies of stability only"},
+	{.name = "dem_step", .type = KEY_BOOL, AT(scene_guards, dem_step), .value = "true",
+	 .doc = "a DEM step above its limit is refused, an RVE whose discs jitter stops the run; false: for studies of stability only"},
+	{.name = "numerical_fracture", .type = KEY_BOOL, AT(scene_guards, numerical_fracture), .value = "true",
+	 .doc = "neighbours of an elastic body that share no node of the grid any more stop the run; false: for studies of stability only"},
 	END};
 
 /* ---- the whole ---- */
