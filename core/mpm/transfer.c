@@ -316,7 +316,8 @@ INLINE double correction(const struct gathered *g, const struct mpm_work *w, int
  * in free fall.  That holds for whatever changes the velocity, as long as it keeps the momentum of the grid, so it
  * is the rule of FLIP, XPIC and FMPM.  APIC's points go with their new velocity, as in its source: only a way along
  * the momentum leaves the angular momentum as it was (the mean turns a spinning body's momentum by dt^2/2 V x a in
- * every step).  They are half a step ahead of gravity then, which the ledger books.
+ * every step).  They are half a step ahead of gravity then, which the ledger books.  (FMPM's source moves with the
+ * mean of the point's own velocities; the Danilovskaya bar does not tell these rules apart.)
  * way: where the displacement goes, m. */
 INLINE void move_point(struct particles *p, int k, const struct gathered *g, const struct mpm_work *w, double dt,
 					   int parts, double way[2], struct block_sum *sum)
@@ -361,7 +362,7 @@ INLINE void gather_block(struct mpm *mpm, struct mpm_work *w, int block, int nod
 			int q = chunk[k];
 			struct gathered g = gather_point(&mpm->grid, w, &lists, k * nodes, nodes, parts);
 			if (parts & PART_AFFINE)
-				affine_gather(mpm, &lists, k * nodes, q, side);
+				affine_gather(mpm, &lists, k * nodes, q, side, 1.0 - w->alpha_p - w->alpha_g);
 			move_point(p, q, &g, w, dt, parts, parts & PART_STRAIN || !w->way ? p->x[q] : w->way[q], &sum);
 			if (parts & PART_STRAIN) {
 				memcpy(p->L[q], g.L, sizeof g.L);

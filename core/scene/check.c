@@ -78,6 +78,13 @@ static void check_transfer(struct loader *loader)
 	if (!filters && mpm->xpic_every != 1)
 		problem_of(loader, "mpm.xpic_every", "is %d, but transfer is \"%s\", expected transfer = \"xpic\" or \"fmpm\"",
 				   mpm->xpic_every, name);
+	/* in a bar at rest it grows from noise, in windows of the step down to 0.3 of the limit */
+	if (mpm->transfer == MPM_FMPM && mpm->xpic_every > 1 && mpm->order != MPM_USL)
+		problem_of(
+			loader, "mpm.xpic_every",
+			"is %d, but FMPM in some steps only is unstable with order = \"%s\", expected 1, transfer = \"xpic\", or "
+			"order = \"usl\"",
+			mpm->xpic_every, mpm_order_names[mpm->order]);
 	if (mpm->pic_fraction > 0.0 && (mpm->transfer == MPM_APIC || (filters && mpm->xpic_every == 1)))
 		problem_of(loader, "mpm.pic_fraction", "is %g, but with transfer = \"%s\" no step is FLIP, expected 0%s",
 				   mpm->pic_fraction, name, filters ? ", or xpic_every > 1" : "");

@@ -199,6 +199,8 @@ static const struct {
 	 "mpm.pic_fraction is 0.1, but with transfer = \"apic\" no step is FLIP, expected 0"},
 	{"shape = \"ugimp\"", "transfer = \"fmpm\"; pic_fraction = 0.1",
 	 "mpm.pic_fraction is 0.1, but with transfer = \"fmpm\" no step is FLIP, expected 0, or xpic_every > 1"},
+	{"shape = \"ugimp\"", "transfer = \"fmpm\"; order = \"musl\"; xpic_every = 4",
+	 "mpm.xpic_every is 4, but FMPM in some steps only is unstable with order = \"musl\", expected 1"},
 	{"shape = \"ugimp\"", "damping_particle = 2e4",
 	 "mpm.damping_particle takes more than the whole velocity in one step"},
 };

@@ -36,6 +36,12 @@ static void choose(struct scene *scene, const struct scheme *scheme, int order, 
 	snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "%s", shape);
 }
 
+/* FMPM in some steps only is refused with USF and MUSL: see core/scene/check.c. */
+static bool allowed(const struct scheme *scheme, int order)
+{
+	return scheme->transfer != MPM_FMPM || scheme->every == 1 || order == MPM_USL;
+}
+
 static const char *name_of(const struct scheme *scheme)
 {
 	static char name[64];
@@ -86,6 +92,8 @@ static void test_momentum(void **state)
 	for (int k = 0; k < 2 * ORDERS * SCHEMES; k++) {
 		const struct scheme *scheme = &schemes[k / 2 % SCHEMES];
 		int order = k / 2 / SCHEMES, linear = k % 2;
+		if (!allowed(scheme, order))
+			continue;
 		struct elastic_scene s;
 		double spin, worst = 0.0;
 		struct mpm *mpm = spinning(&s, scheme, order, linear, &spin);
@@ -113,6 +121,8 @@ static void test_ledger(void **state)
 	for (int k = 0; k < 2 * ORDERS * SCHEMES; k++) {
 		const struct scheme *scheme = &schemes[k / 2 % SCHEMES];
 		int order = k / 2 / SCHEMES, linear = k % 2;
+		if (!allowed(scheme, order))
+			continue;
 		struct elastic_scene s;
 		struct scene *scene = elastic_scene_init(&s, 40, 16, 0.1, 1e6, 0.2, 1000.0, 5e-4);
 		choose(scene, scheme, order, shape_names[linear]);
@@ -307,6 +317,8 @@ static void test_free_fall(void **state)
 	const double g = 9.81;
 	for (int k = 0; k < ORDERS * SCHEMES; k++) {
 		const struct scheme *scheme = &schemes[k % SCHEMES];
+		if (!allowed(scheme, k / SCHEMES))
+			continue;
 		struct elastic_scene s;
 		struct scene *scene = elastic_scene_init(&s, 12, 30, 0.1, 1e6, 0.3, 1000.0, 1e-3);
 		choose(scene, scheme, k / SCHEMES, "ugimp");
@@ -326,12 +338,82 @@ static void test_free_fall(void **state)
 	}
 }
 
+/* ---- walls ---- */
+
+/* A block falls askew on a floor with friction and against a moving plate: in every step its momentum changes by
+ * gravity and by what the walls say they felt, to round-off.  No scheme takes momentum of its own there. */
+static void test_wall_forces(void **state)
+{
+	(void)state;
+	for (int k = 0; k < ORDERS * SCHEMES; k++) {
+		if (!allowed(&schemes[k % SCHEMES], k / SCHEMES))
+			continue;
+		struct elastic_scene s;
+		struct scene *scene = elastic_scene_init(&s, 24, 14, 0.1, 1e6, 0.2, 1000.0, 5e-4);
+		choose(scene, &schemes[k % SCHEMES], k / SCHEMES, "ugimp");
+		scene->gravity[1] = -9.81;
+		struct scene_body *body = elastic_scene_box(&s, 4, 0.5, 0.35, 1.2, 0.85);
+		body->velocity[0] = 2.0, body->velocity[1] = -1.0;
+		elastic_scene_line(&s, 0.0, 0.3, 2.4, 0.3)->friction = 0.3;
+		struct scene_wall *plate = elastic_scene_line(&s, 1.5, 0.3, 1.5, 1.3);
+		plate->velocity[0] = -0.5;
+		struct mpm *mpm = start(scene);
+		double most[2] = {0.0, 0.0}, mass = sum_mass(mpm);
+		for (int step = 0; step < 400; step++) {
+			double p[2] = {sum_momentum(mpm, 0), sum_momentum(mpm, 1)};
+			steps(mpm, 1);
+			for (int c = 0; c < 2; c++) {
+				double wall = -(mpm->walls[0].force[c] + mpm->walls[1].force[c]) * mpm->dt;
+				double gravity = mass * scene->gravity[c] * mpm->dt;
+				assert_near(sum_momentum(mpm, c) - p[c], wall + gravity, 1e-11 * mass);
+				most[c] = fmax(most[c], fabs(mpm->walls[1 - c].force[c]));
+			}
+		}
+		assert_true(most[0] > mass * 9.81 && most[1] > mass * 9.81); /* it has met both */
+		mpm_free(mpm);
+	}
+}
+
+/* Self-weight between frictionless walls: sigma_yy = -rho g (l0 - Y) and the weight on the floor, by every scheme. */
+static void test_self_weight(void **state)
+{
+	(void)state;
+	const double rho = 1000.0, g = 9.81, h = 0.1, height = 1.0;
+	for (int k = 0; k < ORDERS * SCHEMES; k++) {
+		if (!allowed(&schemes[k % SCHEMES], k / SCHEMES))
+			continue;
+		struct elastic_scene s;
+		struct scene *scene = elastic_scene_init(&s, 6, 14, h, 1e7, 0.3, rho, 5e-4);
+		choose(scene, &schemes[k % SCHEMES], k / SCHEMES, "ugimp");
+		scene->gravity[1] = -g;
+		scene->mpm.damping_particle = 80.0;
+		elastic_scene_box(&s, 4, 0.2, 0.2, 0.4, 0.2 + height);
+		elastic_scene_line(&s, 0.0, 0.2, 0.6, 0.2);
+		elastic_scene_line(&s, 0.2, 1.4, 0.2, 0.0)->contact = SCENE_WALL_SLIP;
+		elastic_scene_line(&s, 0.4, 0.0, 0.4, 1.4)->contact = SCENE_WALL_SLIP;
+		struct mpm *mpm = start(scene);
+		steps(mpm, 1200);
+		double mean[10] = {0.0}, worst = 0.0; /* nodes hold the mean of the points of a row of cells, not each point */
+		for (int q = 0; q < mpm->p.n; q++)
+			mean[(int)((mpm->p.x0[q][1] - 0.2) / h)] += mpm->p.stress[q][1] / 8.0;
+		for (int j = 0; j < 10; j++)
+			worst = fmax(worst, fabs(mean[j] + rho * g * (height - (j + 0.5) * h)));
+		print_message("%-5s %-24s worst stress %.2g of rho g H, reaction %.2g\n", mpm_order_names[k / SCHEMES],
+					  name_of(&schemes[k % SCHEMES]), worst / (rho * g * height),
+					  mpm->walls[0].force[1] / (sum_mass(mpm) * g) + 1.0);
+		assert_near(mpm->walls[0].force[1], -sum_mass(mpm) * g, 1e-8 * sum_mass(mpm) * g);
+		assert_true(worst < 5e-4 * rho * g * height);
+		mpm_free(mpm);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_momentum),        cmocka_unit_test(test_ledger),
 		cmocka_unit_test(test_velocity_filter), cmocka_unit_test(test_order_one_is_pic),
 		cmocka_unit_test(test_viscosity),       cmocka_unit_test(test_free_fall),
+		cmocka_unit_test(test_wall_forces),     cmocka_unit_test(test_self_weight),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
