@@ -37,14 +37,17 @@ int guard_step(struct mpm *mpm, int status)
 	const struct mpm_work *w = mpm_work(mpm);
 	const struct particles *p = &mpm->p;
 	char text[160];
+	const char *state = mpm->scene->mpm.order == MPM_USF && status == STATUS_GUARD
+							? "within the step, not fit to go on from"
+							: "start of the step";
 	for (int s = 0; s < w->n_stripes; s++)
 		if (w->stripe_sums[s].bad >= 0) {
 			where(mpm, w->stripe_sums[s].bad, text);
 			return error_set(
 				STATUS_GUARD,
 				"%s: its stress, modulus or temperature is not a number; cure: a smaller time.step, and check "
-				"the law's parameters (state: start of the step)",
-				text);
+				"the law's parameters (state: %s)",
+				text, state);
 		}
 	double wave, heat, dt = mpm->scene->time.step;
 	int stiffest, diffusive;
@@ -58,20 +61,19 @@ int guard_step(struct mpm *mpm, int status)
 		return error_set(
 			status,
 			"%s: time.step = %.4g s is above the limit %.4g s = %g h sqrt(rho/M) with M = %.4g Pa, rho = %.4g "
-			"kg/m3; cure: time.step of %.2g s or less, or a larger grid.cell (state: start of the step)",
-			text, dt, wave, mpm->scene->time.step_factor, p->modulus[stiffest], density, wave);
+			"kg/m3; cure: time.step of %.2g s or less, or a larger grid.cell (state: %s)",
+			text, dt, wave, mpm->scene->time.step_factor, p->modulus[stiffest], density, wave, state);
 	}
 	if (w->thermal_dt > 0.0 && dt > heat * (1.0 + 1e-9)) {
 		where(mpm, diffusive, text);
 		return error_set(
 			status,
 			"%s: time.step = %.4g s is above the limit of heat conduction %.4g s (rho c h^2/2k%s, %d thermal steps "
-			"in %d, thermal.time_scale %g); cure: time.step of %.2g s or less, or time.thermal_steps = %d (state: "
-			"start "
-			"of the step)",
-			text, dt, heat, mpm_convection_as_conduction(mpm, diffusive, 1.0) > 0.0 ? ", less what convection takes" : "",
+			"in %d, thermal.time_scale %g); cure: time.step of %.2g s or less, or time.thermal_steps = %d (state: %s)",
+			text, dt, heat,
+			mpm_convection_as_conduction(mpm, diffusive, 1.0) > 0.0 ? ", less what convection takes" : "",
 			mpm->scene->time.thermal_steps, mpm->scene->time.thermal_every, mpm->scene->thermal.time_scale, heat,
-			(int)ceil(dt / heat * mpm->scene->time.thermal_steps));
+			(int)ceil(dt / heat * mpm->scene->time.thermal_steps), state);
 	}
 	return STATUS_OK;
 }

@@ -1,6 +1,6 @@
 /* The material point method at the scale of the scene: grid, points, walls, heat, ledger, one step.
  *
- * One step reads like the paper (TM-DEMPM section 2, order USL): weights, to grid, forces, heat,
+ * One step reads like the paper (TM-DEMPM section 2; here in the order USL): weights, to grid, forces, heat,
  * integrate, walls, to points, law.  The passes a scene needs are chosen once, in mpm_create(). */
 #ifndef TMDEMPM_MPM_MPM_H
 #define TMDEMPM_MPM_MPM_H
@@ -37,7 +37,7 @@ struct mpm_ledger {
 	double work_walls_friction; /* turned into heat at walls */
 	double heat_rve_friction;   /* turned into heat in RVEs */
 	double loss_dashpot, loss_bond, loss_fracture;
-	double loss_numerical;      /* PIC, damping, FLIP null space, remapping, unilateral impacts on walls */
+	double loss_numerical;      /* transfers between points and nodes, damping, remapping, unilateral impacts on walls */
 	double work_expansion;      /* by thermal expansion */
 	double energy_discarded;    /* gas, re-seeded */
 	double heat_in, heat_out;   /* through boundaries and walls */

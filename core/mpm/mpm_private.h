@@ -38,7 +38,7 @@ struct stripe_sum {
 	double diffusivity;           /* max of k / (rho c), m2/s */
 	int stiffest, most_diffusive; /* storage index, -1 = none */
 	int bad;                      /* storage index of the first point with a non-finite stress, -1 */
-	double power;                 /* W, sum V sigma : L with the L of the step before */
+	double power;                 /* W, sum V sigma : L with the L in which the points strained last */
 	double heat_given;            /* J, of the laws */
 	double heat_in, heat_out;     /* J, through boundaries with a flux or convection */
 };
@@ -47,7 +47,8 @@ struct stripe_sum {
 struct block_sum {
 	double increment; /* sum m |S dv|^2, J */
 	double damped;    /* sum m (v_flip . d + |d|^2 / 2), J */
-	double push[2];   /* sum m d, kg m/s */
+	double carried;   /* sum m v . S dv, J; of APIC only */
+	double push[2];   /* sum m (2 x' - 2 S v - S dv) with x' the rate at which the point moves, kg m/s */
 	double discarded; /* J, kinetic energy of parked points */
 	int bad, left;    /* storage index of the first non-finite point, of the first that left the grid; -1 */
 };
@@ -55,10 +56,19 @@ struct block_sum {
 /* Partial results of one row of nodes. */
 struct row_sum {
 	double increment;                    /* sum m |dv|^2, J */
-	double power;                        /* W, of the internal forces on the velocities before the step, - sum f.v */
+	double carried;                      /* sum m v.dv, J; of APIC only */
+	double power;                        /* W, of the internal forces on the nodes, see ledger.c */
 	double gravity, confining;           /* J, work of gravity and of the confining pressure */
 	double velocity_work, velocity_loss; /* J, of imposed velocities */
 };
+
+/* What a node needs where velocities go between points and nodes beside the step itself; one cache line. */
+struct node_projection {
+	double sum[2];    /* m/s, of XPIC and FMPM: goes to the points */
+	double term[2];   /* m/s, of their series */
+	double back[2];   /* kg m/s, momentum that comes from the points */
+	double strain[2]; /* m/s, USF and MUSL: from which the points strain */
+} __attribute__((aligned(64)));
 
 /* The same of the thermal pass. */
 struct heat_sum {
@@ -173,6 +183,11 @@ struct mpm_work {
 	struct heat_sum *heat_sums;
 	struct mpm_sums total;
 	double alpha_p, alpha_g, alpha_pic; /* as fractions of this step */
+	bool filtered;                      /* XPIC or FMPM act in this step */
+	bool filters_step;                  /* FMPM: they act on the velocities after the step */
+	struct node_projection *projected;  /* NULL if nothing needs it */
+	double (*way)[2];                   /* m, MUSL: by how much points will move when they have strained; else NULL */
+	double *strain_power;               /* W, by block, USF and MUSL: of the old stress on the strain rate; else NULL */
 	double thermal_dt;                  /* s of thermal time, of this step's thermal pass; 0 = none in this step */
 
 	double internal_force_scale; /* 1; a test plants an error here to see the residual guard fire */
@@ -181,6 +196,14 @@ struct mpm_work {
 
 static inline struct mpm_work *mpm_work(const struct mpm *mpm) { return mpm->work; }
 static inline bool mpm_parallel(const struct mpm *mpm) { return mpm->p.n >= PARALLEL_POINTS; }
+
+/* The points of a stripe: order[first .. last - 1]. */
+static inline void mpm_stripe_points(const struct mpm_work *w, int stripe, int *first, int *last)
+{
+	int from = stripe * STRIPE_ROWS, to = from + STRIPE_ROWS < w->cells_y ? from + STRIPE_ROWS : w->cells_y;
+	*first = w->cell_first[from * w->cells_x];
+	*last = w->cell_first[to * w->cells_x];
+}
 
 /* Conductivity xx yy xy of a point, W/(m K): the material's or the law's; of frozen and thawed by their shares. */
 static inline void mpm_point_conductivity(const struct mpm *mpm, int p, double conductivity[3])
@@ -200,12 +223,14 @@ static inline void mpm_point_conductivity(const struct mpm *mpm, int p, double c
 }
 
 /* ---- particles.c ---- */
-int particles_create(struct particles *p, int n);
+int particles_create(struct particles *p, int n, bool affine);
 void particles_free(struct particles *p);
 /* New storage index k gets what was at permutation[k]. */
 void particles_permute(struct particles *p, const int *permutation, void *scratch);
-size_t particles_bytes(int n);
+size_t particles_bytes(const struct particles *p);
 size_t particles_widest(void);
+/* Takes a point's motion away. */
+void point_stop(struct particles *p, int k);
 /* Appends the columns to the list of state arrays (or only counts). */
 int particles_state(struct particles *p, struct mpm_state_array *arrays, int at);
 
@@ -226,6 +251,14 @@ void mpm_points_to_grid(struct mpm *mpm);
 void mpm_integrate_nodes(struct mpm *mpm);
 void mpm_finish_nodes(struct mpm *mpm);
 void mpm_grid_to_points(struct mpm *mpm);
+/* Calls scatter() for every stripe, those that share no node at the same time. */
+void mpm_each_stripe(struct mpm *mpm, void (*scatter)(struct mpm *, struct mpm_work *, int stripe));
+/* Beyond the grid: parked, without motion, where it is. */
+void point_park(struct particles *p, int k, struct block_sum *sum);
+
+/* ---- project.c ---- */
+void mpm_filter_nodes(struct mpm *mpm);
+void mpm_strain_points(struct mpm *mpm);
 
 /* ---- thermal.c ---- */
 void mpm_heat_nodes(struct mpm *mpm);
@@ -251,6 +284,7 @@ bool wall_contains(const struct mpm *mpm, int wall, const double x[2], double to
 /* Looks again which walls are on, where they are and which nodes they hold. */
 void walls_update(struct mpm *mpm);
 void walls_apply(struct mpm *mpm);
+void walls_hold(struct mpm *mpm);
 void walls_account(struct mpm *mpm);
 void walls_move(struct mpm *mpm);
 

@@ -72,6 +72,7 @@ static const struct shape shape_linear = {
 	.name = "linear",
 	.doc = "bilinear, 4 nodes; the cheapest; points that cross grid cells make noise",
 	.max_nodes = 4,
+	.affine_by_gradient = true,
 	.reach = 0,
 	.fill = linear_fill,
 };

@@ -51,8 +51,7 @@ static void column_scene(struct column *c, const char *shape, int side, bool the
 	s->grid = (struct scene_grid){.size = {(side + 4) * h, (side + 8) * h}, .cell = h, .thickness = 1.0};
 	s->time = (struct scene_time){1.0, 0.4 * h / sqrt(young / density), 1.0, 1, 1};
 	snprintf(s->mpm.shape, sizeof s->mpm.shape, "%s", shape);
-	snprintf(s->mpm.transfer, sizeof s->mpm.transfer, "flip");
-	snprintf(s->mpm.order, sizeof s->mpm.order, "usl");
+	s->mpm.xpic_order = 2, s->mpm.xpic_every = 1;
 	s->thermal.on = thermal;
 	s->thermal.time_scale = 1.0;
 	s->gravity[1] = -9.81;

@@ -15,8 +15,10 @@ static const double CHECK_SECONDS = 1.5; /* of measured steps */
 static void check_passes(const struct mpm *mpm)
 {
 	const struct scene *scene = mpm->scene;
-	printf("passes     %s shape functions, order %s, transfer %s", mpm->shape->name, scene->mpm.order,
-		   scene->mpm.transfer);
+	printf("passes     %s shape functions, order %s, transfer %s", mpm->shape->name, mpm_order_names[scene->mpm.order],
+		   mpm_transfer_names[scene->mpm.transfer]);
+	if (scene->mpm.transfer == MPM_XPIC || scene->mpm.transfer == MPM_FMPM)
+		printf("(%d) in one step of %d", scene->mpm.xpic_order, scene->mpm.xpic_every);
 	if (scene->mpm.pic_fraction > 0)
 		printf(" with %g PIC a step", scene->mpm.pic_fraction);
 	printf("\n           %s\n", mpm->thermal ? "heat: thermal pass on the same grid" : "no heat: no thermal pass");

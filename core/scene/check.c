@@ -64,6 +64,25 @@ static void check_time(struct loader *loader)
 				   1.0 / time->step);
 }
 
+/* ---- the schemes ---- */
+
+/* What is said of a scheme that is not used would do nothing. */
+static void check_transfer(struct loader *loader)
+{
+	const struct scene_mpm *mpm = &loader->scene->mpm;
+	bool filters = mpm->transfer == MPM_XPIC || mpm->transfer == MPM_FMPM;
+	const char *name = mpm_transfer_names[mpm->transfer];
+	if (!filters && mpm->xpic_order != 2)
+		problem_of(loader, "mpm.xpic_order", "is %d, but transfer is \"%s\", expected transfer = \"xpic\" or \"fmpm\"",
+				   mpm->xpic_order, name);
+	if (!filters && mpm->xpic_every != 1)
+		problem_of(loader, "mpm.xpic_every", "is %d, but transfer is \"%s\", expected transfer = \"xpic\" or \"fmpm\"",
+				   mpm->xpic_every, name);
+	if (mpm->pic_fraction > 0.0 && (mpm->transfer == MPM_APIC || (filters && mpm->xpic_every == 1)))
+		problem_of(loader, "mpm.pic_fraction", "is %g, but with transfer = \"%s\" no step is FLIP, expected 0%s",
+				   mpm->pic_fraction, name, filters ? ", or xpic_every > 1" : "");
+}
+
 /* ---- names ---- */
 
 static void check_unique(struct loader *loader, const char *list)
@@ -829,6 +848,8 @@ void check_scene(struct loader *loader)
 		check_grid(loader);
 	if (loader_clean(loader, "time"))
 		check_time(loader);
+	if (loader_clean(loader, "mpm"))
+		check_transfer(loader);
 	check_laws(loader);
 	check_materials(loader);
 	check_stages(loader);

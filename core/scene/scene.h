@@ -12,6 +12,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "mpm/scheme.h"
+
 enum { SCENE_NAME = 64, SCENE_PATH = 1024 };
 
 /* Where in which file a thing was said, for messages that can only be given later. */
@@ -49,10 +51,12 @@ struct scene_time {
 };
 
 struct scene_mpm {
-	char shape[SCENE_NAME];    /* "ugimp" (default), "linear": names of the table shapes[] */
-	char transfer[SCENE_NAME]; /* "flip" (default) */
-	char order[SCENE_NAME];    /* "usl" (default) */
-	double pic_fraction;       /* alpha_PIC, fraction per step, eqs. 25-27; default 0 */
+	char shape[SCENE_NAME]; /* "ugimp" (default), "linear": names of the table shapes[] */
+	enum mpm_transfer transfer;
+	enum mpm_order order;
+	int xpic_order;            /* m of XPIC(m), FMPM(m); default 2 */
+	int xpic_every;            /* they act in every k-th step, the others are plain FLIP; default 1 */
+	double pic_fraction;       /* alpha_PIC, fraction per step, eqs. 25-27, of the steps that are FLIP; default 0 */
 	double damping_particle;   /* alpha_p, 1/s; default 0 */
 	double damping_grid;       /* alpha_g, 1/s; default 0 */
 	double confining_pressure; /* Pa; sigma + p_c I in the internal force (methods-mpm); default 0 */
