@@ -31,7 +31,8 @@ const struct field mpm_ledger_fields[] = {
 	{"energy_rve_kinetic", "J", 1, "of the discs' fluctuations"},
 	{"energy_gravity", "J", 1, "- m g.x, counted from the origin of coordinates"},
 	{"energy_thermal", "J", 1, "heat content with the latent heat, counted from the start"},
-	{"work_boundary", "J", 1, "done by moving walls, imposed velocities and confining pressure"},
+	{"work_boundary", "J", 1,
+	 "done by moving walls, imposed velocities, confining pressure and the body force of motions"},
 	{"work_walls_friction", "J", 1, "turned into heat at walls"},
 	{"heat_rve_friction", "J", 1, "turned into heat in RVEs"},
 	{"loss_dashpot", "J", 1, "of the dashpots in RVEs"},
@@ -61,7 +62,7 @@ static void add_nodes(struct mpm *mpm, struct mpm_work *w, double *boundary)
 		carried += row->carried;
 		power += row->power;
 		t->work_gravity += row->gravity;
-		*boundary += row->confining + row->velocity_work;
+		*boundary += row->confining + row->motion + row->velocity_work;
 		t->loss_numerical += row->velocity_loss;
 	}
 	for (int s = 0; s < w->n_stripes; s++)
@@ -166,6 +167,15 @@ static double work_scale(const struct mpm_sums *t)
 {
 	return t->start_kinetic + t->start_elastic + t->start_rve_kinetic + fabs(t->work_gravity) +
 		   t->work_boundary_turnover;
+}
+
+double ledger_loss(const struct mpm *mpm)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	double power = 0.0;
+	for (int s = 0; s < w->n_stripes && mpm->scene->mpm.order != MPM_USF; s++)
+		power += w->stripe_sums[s].power;
+	return w->total.loss_numerical - 0.5 * mpm->dt * power;
 }
 
 void ledger_add_step(struct mpm *mpm)

@@ -59,6 +59,7 @@ struct row_sum {
 	double carried;                      /* sum m v.dv, J; of APIC only */
 	double power;                        /* W, of the internal forces on the nodes, see ledger.c */
 	double gravity, confining;           /* J, work of gravity and of the confining pressure */
+	double motion;                       /* J, work of the body force of motions */
 	double velocity_work, velocity_loss; /* J, of imposed velocities */
 };
 
@@ -99,6 +100,25 @@ struct wall_effect {
 	double boundary, friction, impact; /* J */
 };
 
+/* What the points that touch a node bring to the limit of the step: see limit.c.  First sums, then over mass (1/s2) and
+ * heat capacity (1/s). */
+struct limit_node {
+	double motion[2], heat[2];
+};
+
+/* And of a point: weight of each direction, (dt w)^2 / b^2. */
+struct limit_point {
+	double weight[2], X;
+};
+
+/* Largest values of the last look, and the points that have them (storage index, -1 = none). */
+struct limit_sum {
+	double motion; /* (dt w)^2 / b^2: stable below 2 */
+	double heat;   /* dt times the largest rate of a pass of heat conduction: stable below 2 */
+	double growth; /* ln of the stress's growth */
+	int stiffest, hottest, grown;
+};
+
 /* Sums since the start (or zero_ledger); saved with the state. */
 struct mpm_sums {
 	double work_boundary, work_boundary_turnover; /* J; turnover: absolute values per step */
@@ -108,7 +128,9 @@ struct mpm_sums {
 	double start_kinetic, start_elastic, start_rve_kinetic, start_gravity, start_thermal; /* J */
 	double start_step;
 	double work_gravity;
-	double scale; /* J, most work done so far: what the residual is compared with */
+	double scale;         /* J, most work done so far: what the residual is compared with */
+	double loss_most;     /* J, largest loss_numerical so far: what has come back since was made of nothing */
+	double limit_watched; /* 1: the next step is looked at, the limit is near or may have moved */
 };
 
 /* How a material freezes.  Specific enthalpy J/kg, counted from all frozen at `low`: linear below, through the
@@ -153,6 +175,7 @@ struct mpm_work {
 
 	struct node_sum *sums;
 	double (*confining)[2];  /* m2: sum V grad w; NULL without confining pressure */
+	double (*body_force)[2]; /* N, by node, of bodies that follow a motion; NULL = none */
 	bool *seen;              /* by node, of a walk over the nodes beside a wall; NULL without confining pressure */
 	double *wall_heat;       /* J, by node: wall friction heat that waits for the thermal step; NULL = none */
 	double *fixed_T;         /* K, by node: imposed temperature, NAN = free; NULL without heat */
@@ -176,6 +199,12 @@ struct mpm_work {
 	bool *wall_on;             /* by scene wall, at the last look */
 	struct wall_solid *solids; /* by scene wall */
 	double (*wall_found)[2];   /* offset at which its nodes were found */
+
+	struct limit_node *limit_nodes; /* NULL = no guard asks for it */
+	struct limit_point *limit_points;
+	struct limit_sum *limit_sums, limit; /* by stripe; of all, at the last look */
+	int (*neighbours)[2];                /* by id: to the right and above on the lattice of the body, -1 = none */
+	int *storage_of;                     /* by id; filled when it is needed */
 
 	struct stripe_sum *stripe_sums;
 	struct block_sum *block_sums;
@@ -242,6 +271,8 @@ int grid_create(struct mpm *mpm);
 int grid_place(struct mpm *mpm);
 
 /* ---- sort.c ---- */
+/* Grid cell of a place, -1 outside the scene's box (and for NaN). */
+int mpm_cell_of(const struct mpm_work *w, const double x[2]);
 void mpm_sort(struct mpm *mpm);
 void mpm_resort_storage(struct mpm *mpm);
 
@@ -260,11 +291,27 @@ void point_park(struct particles *p, int k, struct block_sum *sum);
 void mpm_filter_nodes(struct mpm *mpm);
 void mpm_strain_points(struct mpm *mpm);
 
+/* ---- motion.c ---- */
+/* Puts a point of a body with a motion where that begins. */
+int motion_begin(struct mpm *mpm, int p, const double X[2]);
+/* The nodes' body forces of this step. */
+void motion_forces(struct mpm *mpm);
+
 /* ---- thermal.c ---- */
 void mpm_heat_nodes(struct mpm *mpm);
 void mpm_remap_temperature(struct mpm *mpm);
 /* W m2/K: the conductivity times volume that would take as much of the step limit as convection at a point. */
 double mpm_convection_as_conduction(const struct mpm *mpm, int p, double volume);
+
+/* W m2/K, what bounds the thermal step of a point: its volume times at least the larger eigenvalue of its conductivity,
+ * and what convection adds. */
+static inline double mpm_conductance(const struct mpm *mpm, int p, double volume)
+{
+	double tensor[3];
+	mpm_point_conductivity(mpm, p, tensor);
+	double conductance = (fmax(tensor[0], tensor[1]) + fabs(tensor[2])) * volume;
+	return mpm_work(mpm)->n_point_heats ? conductance + mpm_convection_as_conduction(mpm, p, volume) : conductance;
+}
 
 /* ---- freezing.c ---- */
 int freezing_create(struct mpm *mpm);
@@ -293,15 +340,32 @@ int boundaries_create(struct mpm *mpm);
 void boundaries_free(struct mpm *mpm);
 void boundaries_update(struct mpm *mpm);
 
+/* ---- limit.c: how far the step is from its limit on the points' places ---- */
+enum { GROWTH_MOST = 100 }; /* of a point's stress beyond the limit before the run is stopped */
+bool limit_due(const struct mpm *mpm);
+/* After the points have moved: one that enters a grid cell calls for a look where the shape has no bound. */
+void limit_follow(struct mpm *mpm);
+/* After the points have gone to the grid: fills w->limit and the points' growth. */
+void limit_look(struct mpm *mpm);
+
+/* ---- cohesion.c: neighbours that the grid connects no more ---- */
+int cohesion_create(struct mpm *mpm);
+void cohesion_free(struct mpm *mpm);
+bool cohesion_lost(const struct mpm *mpm, int *point, int *neighbour);
+
 /* ---- ledger.c ---- */
+/* J, loss_numerical at the start of a step, after the points have gone to the grid. */
+double ledger_loss(const struct mpm *mpm);
 void ledger_add_step(struct mpm *mpm);
 void ledger_start(struct mpm *mpm);
 
 /* ---- guard.c: STATUS_GUARD (or `status`) with step, time, point, reason and cure ---- */
 int guard_step(struct mpm *mpm, int status);
 int guard_inside(const struct mpm *mpm);
+int guard_cohesion(const struct mpm *mpm);
 int guard_points(const struct mpm *mpm);
 int guard_residual(const struct mpm *mpm);
+int guard_energy(struct mpm *mpm);
 int guard_law(const struct mpm *mpm, int status, int point);
 
 /* ---- stage.c ---- */

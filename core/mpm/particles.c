@@ -45,6 +45,7 @@ static const struct column columns[] = {
 	COLUMN(thawed, 'd', 1),
 	COLUMN(heat_pending, 'd', 1),
 	COLUMN(heat_friction_sum, 'd', 1),
+	COLUMN(growth, 'd', 1),
 	COLUMN(affine, 'd', 4), /* with APIC only */
 };
 

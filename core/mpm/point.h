@@ -103,8 +103,8 @@ INLINE void affine_matrix(const struct mpm *mpm, const struct shape_lists *lists
 	C[0] = B[0] / D[0], C[1] = B[1] / D[1], C[2] = B[2] / D[0], C[3] = B[3] / D[1];
 }
 
-/* What the point is to carry, from the nodes' velocities after the step. */
-INLINE void affine_gather(struct mpm *mpm, const struct shape_lists *lists, int at, int p, int side)
+/* What the point is to carry: `share` of the nodes' velocities after the step. */
+INLINE void affine_gather(struct mpm *mpm, const struct shape_lists *lists, int at, int p, int side, double share)
 {
 	double r[2], B[4] = {0.0, 0.0, 0.0, 0.0};
 	first_node(mpm, lists, at, p, r);
@@ -118,7 +118,8 @@ INLINE void affine_gather(struct mpm *mpm, const struct shape_lists *lists, int 
 		B[0] += v[0] * x[0], B[1] += v[0] * x[1];
 		B[2] += v[1] * x[0], B[3] += v[1] * x[1];
 	}
-	memcpy(mpm->p.affine[p], B, sizeof B);
+	for (int c = 0; c < 4; c++)
+		mpm->p.affine[p][c] = share * B[c];
 }
 
 #endif

@@ -38,6 +38,11 @@ struct shape {
 	bool affine_by_gradient; /* APIC's D is singular at nodes: C is taken as the gradient (mpm/point.h) */
 	int reach;               /* a point in grid cell i has nodes i - reach .. i + 1 + reach in each direction */
 
+	/* Of a point with half its domain `half` over h: the nodes that it touches lie less than this many cells away, */
+	double (*support)(double half);
+	/* and the most that sum_I h^2 (dw_I/dx)^2 / w_I can be in one direction, wherever it is; INFINITY = no bound. */
+	double (*lone)(double half);
+
 	/* Lists of the n <= SHAPE_CHUNK points point[0..n-1] at x[point[k]].  half[size[point[k]]] is half the
 	 * side of their undeformed domain over h, 0 < half <= 1/2. */
 	void (*fill)(const struct shape_grid *grid, int n, const int *point, const double (*x)[2], const int *size,

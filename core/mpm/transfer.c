@@ -92,17 +92,10 @@ INLINE void check_point(const struct mpm *mpm, struct stripe_sum *sum, int p, do
 		sum->bad = p;
 }
 
-INLINE void check_point_heat(const struct mpm *mpm, const struct mpm_work *w, struct stripe_sum *sum, int p,
-							 double volume)
+INLINE void check_point_heat(const struct mpm *mpm, struct stripe_sum *sum, int p, double volume)
 {
 	const struct particles *points = &mpm->p;
-	double tensor[3];
-	mpm_point_conductivity(mpm, p, tensor);
-	double k = fmax(tensor[0], tensor[1]) + fabs(tensor[2]); /* bounds the larger eigenvalue */
-	double flow = k * volume;
-	if (w->n_point_heats)
-		flow += mpm_convection_as_conduction(mpm, p, volume);
-	double diffusivity = flow / (points->mass[p] * points->capacity[p]);
+	double diffusivity = mpm_conductance(mpm, p, volume) / (points->mass[p] * points->capacity[p]);
 	if (diffusivity > sum->diffusivity)
 		sum->diffusivity = diffusivity, sum->most_diffusive = p;
 	if (!isfinite(diffusivity + points->T[p]) && sum->bad < 0)
@@ -123,7 +116,7 @@ INLINE void scatter_stripe(const struct mpm *mpm, struct mpm_work *w, int stripe
 			double volume = mat2_determinant(points->F[chunk[k]]) * points->volume0[chunk[k]];
 			check_point(mpm, &sum, chunk[k], volume);
 			if (parts & PART_HEAT)
-				check_point_heat(mpm, w, &sum, chunk[k], volume);
+				check_point_heat(mpm, &sum, chunk[k], volume);
 			scatter_point(mpm, w, &lists, k * nodes, chunk[k], nodes, parts, volume);
 			if (parts & PART_AFFINE)
 				scatter_affine(mpm, w, &lists, k * nodes, chunk[k], side);
@@ -190,6 +183,8 @@ static void integrate_row(struct mpm *mpm, struct mpm_work *w, int j)
 			double f = scale * sum->force[c] + sum->mass * g[c];
 			if (w->confining)
 				f -= confining * w->confining[node][c];
+			if (w->body_force)
+				f += w->body_force[node][c];
 			grid->force[node][c] = f;
 			grid->v[node][c] = sum->momentum[c] / sum->mass;
 			grid->v_new[node][c] = grid->v[node][c] + f / sum->mass * dt;
@@ -248,6 +243,8 @@ static struct row_sum finish_row(const struct mpm *mpm, const struct mpm_work *w
 			sum.gravity += grid->mass[node] * g[c] * mean * mpm->dt;
 			if (w->confining && grid->mass[node] > 0.0)
 				sum.confining -= confining * w->confining[node][c] * mean * mpm->dt;
+			if (w->body_force)
+				sum.motion += w->body_force[node][c] * mean * mpm->dt;
 			if (w->fixed_v && !isnan(w->fixed_v[node][c])) {
 				sum.velocity_work += w->fixed_push[node][c] * w->fixed_v[node][c];
 				sum.velocity_loss -= w->fixed_push[node][c] * (mean - w->fixed_v[node][c]);
@@ -319,7 +316,8 @@ INLINE double correction(const struct gathered *g, const struct mpm_work *w, int
  * in free fall.  That holds for whatever changes the velocity, as long as it keeps the momentum of the grid, so it
  * is the rule of FLIP, XPIC and FMPM.  APIC's points go with their new velocity, as in its source: only a way along
  * the momentum leaves the angular momentum as it was (the mean turns a spinning body's momentum by dt^2/2 V x a in
- * every step).  They are half a step ahead of gravity then, which the ledger books.
+ * every step).  They are half a step ahead of gravity then, which the ledger books.  (FMPM's source moves with the
+ * mean of the point's own velocities; the Danilovskaya bar does not tell these rules apart.)
  * way: where the displacement goes, m. */
 INLINE void move_point(struct particles *p, int k, const struct gathered *g, const struct mpm_work *w, double dt,
 					   int parts, double way[2], struct block_sum *sum)
@@ -364,7 +362,7 @@ INLINE void gather_block(struct mpm *mpm, struct mpm_work *w, int block, int nod
 			int q = chunk[k];
 			struct gathered g = gather_point(&mpm->grid, w, &lists, k * nodes, nodes, parts);
 			if (parts & PART_AFFINE)
-				affine_gather(mpm, &lists, k * nodes, q, side);
+				affine_gather(mpm, &lists, k * nodes, q, side, 1.0 - w->alpha_p - w->alpha_g);
 			move_point(p, q, &g, w, dt, parts, parts & PART_STRAIN || !w->way ? p->x[q] : w->way[q], &sum);
 			if (parts & PART_STRAIN) {
 				memcpy(p->L[q], g.L, sizeof g.L);

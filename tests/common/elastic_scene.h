@@ -40,7 +40,8 @@ static inline struct scene *elastic_scene_init(struct elastic_scene *s, int cell
 	scene->mpm.xpic_order = 2, scene->mpm.xpic_every = 1;
 	scene->thermal.friction_heat = true;
 	scene->thermal.time_scale = 1.0;
-	scene->guards.points_leaving = true;
+	scene->guards = (struct scene_guards){
+		.points_leaving = true, .time_step = true, .thermal_step = true, .numerical_fracture = true};
 	scene->laws = s->laws, scene->n_laws = 1;
 	scene->materials = s->materials, scene->n_materials = 1;
 	scene->bodies = s->bodies, scene->walls = s->walls, scene->boundaries = s->boundaries, scene->stages = s->stages;

@@ -68,6 +68,8 @@ static const struct {
 	{"cell = 0.1;", "cell = 0.1; /* and so on", "a comment is not closed, expected '*/'"},
 	{"cell = 0.1;", "cell = 0.1; \x01", "byte 0x01 has no meaning here"},
 	{"(\"ground\")", "(\"ground\",)", "',' before ')', expected a value or no comma"},
+	{"[1.4, 0.7]); }", "[1.4, 0.7]); motion = { solution = \"periodic\"; }; }",
+	 "bodies.[1].motion is imposed on law 'g', expected one of type \"thermoelastic\", or force = false"},
 	/* keys and types */
 	{"cell = 0.1;", "cel = 0.1;", "grid.cel is not known, expected another key (did you mean 'cell'?)"},
 	{"mpm = { shape", "mmp = { shape", "mmp is not known, expected another key (did you mean 'mpm'?)"},
@@ -197,6 +199,8 @@ static const struct {
 	 "mpm.pic_fraction is 0.1, but with transfer = \"apic\" no step is FLIP, expected 0"},
 	{"shape = \"ugimp\"", "transfer = \"fmpm\"; pic_fraction = 0.1",
 	 "mpm.pic_fraction is 0.1, but with transfer = \"fmpm\" no step is FLIP, expected 0, or xpic_every > 1"},
+	{"shape = \"ugimp\"", "transfer = \"fmpm\"; order = \"musl\"; xpic_every = 4",
+	 "mpm.xpic_every is 4, but FMPM in some steps only is unstable with order = \"musl\", expected 1"},
 	{"shape = \"ugimp\"", "damping_particle = 2e4",
 	 "mpm.damping_particle takes more than the whole velocity in one step"},
 };
