@@ -5,7 +5,9 @@
  *     z^2 - (2 - X) z + 1 - (1 - q) X = 0,
  * q in 0..1 being what is left of a change of that mode when it went to the points and back (consistent over lumped
  * mass): stable while X < 4 / (2 - q).  A finite element has q = 1 and X < 4, which is dt < h sqrt(rho/M); a mode that
- * only one point carries has q = 0, and X < 2 is what is always safe.  (USF and MUSL have X < 4/q: never less.)
+ * only one point carries has q = 0, and X < 2 is what is always safe.  USF and MUSL are stable while q X < 4: what
+ * makes X large makes q small, and h sqrt(rho/M) is safe wherever the points lie, also with the linear shape.  But APIC
+ * and FMPM(m) give (almost) all of a change back to the nodes: X < 4 is what is safe with them.
  *
  * X is bounded point by point.  In one direction the eigenvalues of K/m are those of A_pq = sum_I dw_pI dw_qI V_q
  * M_q/m_I between points, and for any positive weights x none of them is above the largest of (|A| x)_p / x_p
@@ -39,6 +41,14 @@ static const double WATCH = 1.6; /* from this X on every step is looked at */
 
 /* ---- is a look needed? ---- */
 
+/* What X is multiplied by, so that 2 is the limit; 0 = h sqrt(rho/M) is enough. */
+static double severity(const struct scene_mpm *s)
+{
+	if (s->order == MPM_USL)
+		return 1.0;
+	return s->transfer == MPM_APIC || s->transfer == MPM_FMPM ? 0.5 : 0.0;
+}
+
 /* The factor s in X <= s (dt/h)^2 M/rho for any places of the points: INFINITY where the shape has no such bound. */
 static double worst_place(const struct mpm *mpm)
 {
@@ -59,7 +69,9 @@ bool limit_due(const struct mpm *mpm)
 		return false;
 	for (int s = 0; s < w->n_stripes; s++)
 		stiffness = fmax(stiffness, w->stripe_sums[s].stiffness);
-	bool motion = mpm->scene->guards.time_step && worst_place(mpm) * stiffness * k * k > 2.0 * b * b;
+	double share = severity(&mpm->scene->mpm);
+	bool motion =
+		mpm->scene->guards.time_step && share > 0.0 && share * worst_place(mpm) * stiffness * k * k > 2.0 * b * b;
 	bool heat = mpm->scene->guards.thermal_step && w->thermal_dt > 0.0 && mpm->scene->time.thermal_steps > 1;
 	return motion || heat;
 }
@@ -67,7 +79,7 @@ bool limit_due(const struct mpm *mpm)
 void limit_follow(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-	if (isfinite(mpm->shape->lone(0.25)) || w->total.limit_watched != 0.0)
+	if (isfinite(mpm->shape->lone(0.25)) || w->total.limit_watched != 0.0 || severity(&mpm->scene->mpm) == 0.0)
 		return;
 	bool entered = false;
 	for (int k = 0; k < mpm->p.n && !entered; k++)
@@ -91,19 +103,12 @@ INLINE void scatter_rigidity(struct mpm_work *w, const struct shape_lists *lists
 	}
 }
 
-/* The points of a stripe in w->order. */
-static void stripe_points(const struct mpm_work *w, int stripe, int *first, int *last)
-{
-	int from = stripe * STRIPE_ROWS, to = from + STRIPE_ROWS < w->cells_y ? from + STRIPE_ROWS : w->cells_y;
-	*first = w->cell_first[from * w->cells_x], *last = w->cell_first[to * w->cells_x];
-}
-
-static void scatter_stripe(const struct mpm *mpm, struct mpm_work *w, int stripe)
+static void scatter_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 {
 	struct shape_lists lists;
 	const struct particles *p = &mpm->p;
 	int nodes = mpm->shape->max_nodes, first, last;
-	stripe_points(w, stripe, &first, &last);
+	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
 		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])p->x, p->body, w->half, &lists);
@@ -169,7 +174,7 @@ static void judge_point(const struct mpm *mpm, struct mpm_work *w, const struct 
 		point->weight[c] = motion[c];
 	}
 	double k = mpm->dt / mpm->scene->time.step_factor;
-	point->X = k * k * coupled(row[0], row[1], mpm->laws[mpm->p.law[p]]->coupling);
+	point->X = severity(&mpm->scene->mpm) * k * k * coupled(row[0], row[1], mpm->laws[mpm->p.law[p]]->coupling);
 	double Y = w->thermal_dt / mpm->scene->time.thermal_steps * fmax(heat[0], heat[1]);
 	if (point->X > sum->motion)
 		sum->motion = point->X, sum->stiffest = p;
@@ -182,7 +187,7 @@ static struct limit_sum judge_stripe(const struct mpm *mpm, struct mpm_work *w, 
 	struct shape_lists lists;
 	struct limit_sum sum = {.stiffest = -1, .grown = -1, .hottest = -1};
 	int nodes = mpm->shape->max_nodes, first, last;
-	stripe_points(w, stripe, &first, &last);
+	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
 		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
@@ -202,11 +207,7 @@ static struct limit_sum sweep(struct mpm *mpm, struct mpm_work *w)
 		if (w->row_high[j] >= w->row_low[j])
 			memset(w->limit_nodes + (size_t)j * (size_t)mpm->grid.nx + (size_t)w->row_low[j], 0,
 				   (size_t)(w->row_high[j] - w->row_low[j] + 1) * sizeof *w->limit_nodes);
-	for (int parity = 0; parity < 2; parity++) {
-#pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))
-		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
-			scatter_stripe(mpm, w, stripe);
-	}
+	mpm_each_stripe(mpm, scatter_stripe);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < ny; j++)
 		finish_row(mpm, w, j);

@@ -53,6 +53,23 @@ static long check_rves(const struct mpm *mpm, int *discs)
 	return n;
 }
 
+/* What bonds make of the discs, Pa: F / (2 R z) = beta kn / (2 z), whatever the radii. */
+static void check_bonds(const struct scene *scene)
+{
+	for (int k = 0; k < scene->n_laws; k++) {
+		const struct scene_law_rve *rve = &scene->laws[k].rve;
+		const struct scene_bonds *bonds = &rve->bonds;
+		if (scene->laws[k].type != SCENE_LAW_RVE || !(bonds->strength > 0.0))
+			continue;
+		printf("bonds      law %s: a bond bears what %.4g kPa are on its discs", scene->laws[k].name,
+			   1e-3 * bonds->strength * rve->kn / (2.0 * rve->disc_thickness));
+		if (isfinite(bonds->melting))
+			printf(", %s %.6g %s", bonds->linear ? "softening up to" : "up to",
+				   scene_temperature_out(scene, bonds->melting), scene_temperature_unit(scene));
+		printf("\n");
+	}
+}
+
 static void check_sizes(const struct mpm *mpm)
 {
 	int discs;
@@ -63,6 +80,7 @@ static void check_sizes(const struct mpm *mpm)
 		printf("RVEs       %ld of %d discs each\n", rves, discs);
 	else
 		printf("RVEs       none\n");
+	check_bonds(mpm->scene);
 	printf("memory     %.1f MB\n", 1e-6 * (double)mpm_memory(mpm));
 }
 

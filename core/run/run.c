@@ -296,6 +296,7 @@ static int run_finish(struct run *run, int status)
 	if (status != STATUS_OK)
 		error_set(status, "%s", message); /* the reason that run.json gives */
 	if (run->log.file && run->loop_start > 0) {
+		report_judge(run);
 		int reported = report_write(run, run_state(status));
 		if (status == STATUS_OK && reported != STATUS_OK)
 			status = reported, snprintf(message, sizeof message, "%s", error_message());

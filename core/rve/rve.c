@@ -332,11 +332,16 @@ struct rve_outcome {
 
 static double pressure_of(const struct rve_head *head) { return -0.5 * (head->stress[0] + head->stress[1]); }
 
-/* Does the cell carry nothing worth the name?  Where bonds pull, a pressure of zero or less does not say so. */
+/* What the discs press each other with, Pa.  Where bonds pull, a pressure of zero or less does not say it. */
+static double stress_scale(const struct rve_head *head)
+{
+	return head->bonds_intact > 0 ? fmax(fmax(fabs(head->stress[0]), fabs(head->stress[1])), fabs(head->stress[3]))
+								  : pressure_of(head);
+}
+
 static int stressless(const struct rve_model *model, const struct rve_head *head)
 {
-	double most = fmax(fmax(fabs(head->stress[0]), fabs(head->stress[1])), fabs(head->stress[3]));
-	return (head->bonds_intact > 0 ? most : pressure_of(head)) < model->params.gas_pressure;
+	return stress_scale(head) < model->params.gas_pressure;
 }
 
 static double stored_energy(const struct rve_head *head)
@@ -355,7 +360,7 @@ static int choose_sub_steps(const struct rve_params *params, struct rve_head *he
 {
 	double limit = params->strain_per_step;
 	if (params->pressure_scaling)
-		limit *= fmax(0.1, fmin(1.0, sqrt(fmax(pressure_of(head), 0.0) / 100e3)));
+		limit *= fmax(0.1, fmin(1.0, sqrt(fmax(stress_scale(head), 0.0) / 100e3)));
 	double wanted = fmax(1.0, fmin(ceil(strain / limit), 1e9));
 	if (params->n_max > 0 && wanted > params->n_max) {
 		head->clamped++;
@@ -369,7 +374,7 @@ static void count_inertia(const struct rve_model *model, struct rve_head *head, 
 	static const double bounds[RVE_INERTIA_BINS - 1] = {1e-6, 3.1622776601683795e-6, 1e-5, 3.1622776601683795e-5,
 														1e-4, 3.1622776601683795e-4, 1e-3, 3.1622776601683795e-3,
 														1e-2, 3.1622776601683795e-2, 1e-1};
-	double pressure = fmax(pressure_of(head), 1.0); /* Pa; a cell without stress counts as 1 Pa */
+	double pressure = fmax(stress_scale(head), 1.0); /* Pa; a cell without stress counts as 1 Pa */
 	head->inertial_number =
 		strain_per_step / model->constants.dt * model->diameter * sqrt(model->params.grain_density / pressure);
 	int bin = 0;
