@@ -88,6 +88,19 @@ static bool in_touch(const struct mpm_work *w, const double x[2], double a, cons
 	return true;
 }
 
+/* How far apart two points are beyond what their deformation gradients say, over their distance at birth. */
+static double gap(const struct particles *p, int k, int m)
+{
+	double D[2], d[2], sum = 0.0, length = 0.0;
+	for (int c = 0; c < 2; c++)
+		D[c] = p->x0[m][c] - p->x0[k][c], d[c] = p->x[m][c] - p->x[k][c];
+	for (int c = 0; c < 2; c++) {
+		double told = 0.5 * ((p->F[k][2 * c] + p->F[m][2 * c]) * D[0] + (p->F[k][2 * c + 1] + p->F[m][2 * c + 1]) * D[1]);
+		sum += (d[c] - told) * (d[c] - told), length += D[c] * D[c];
+	}
+	return sqrt(sum / length);
+}
+
 bool cohesion_lost(const struct mpm *mpm, int *point, int *neighbour)
 {
 	const struct mpm_work *w = mpm_work(mpm);
@@ -104,7 +117,7 @@ bool cohesion_lost(const struct mpm *mpm, int *point, int *neighbour)
 				w->cell[k] < 0 || w->cell[m] < 0)
 				continue;
 			double a = mpm->shape->support(w->half[p->body[k]]), b = mpm->shape->support(w->half[p->body[m]]);
-			if (!in_touch(w, p->x[k], a, p->x[m], b)) {
+			if (!in_touch(w, p->x[k], a, p->x[m], b) || gap(p, k, m) > atof(getenv("GAP"))) {
 				*point = k, *neighbour = m;
 				return true;
 			}
