@@ -43,9 +43,11 @@ static int curve_get(struct curve *curve, const struct study *study, const struc
 	return STATUS_OK;
 }
 
-static int norm_series(struct series *series, const struct csv_table *table, const struct study_norm *norm)
+static int norm_series(struct series *series, const struct csv_table *table, const struct study *study,
+					   const struct combination *c, const struct study_norm *norm)
 {
-	CHECK(series_of_table(series, table, norm->abscissa, norm->column));
+	const struct plan_place place = {study, c->choice};
+	CHECK(series_of_table(series, table, &place, norm->abscissa, norm->column));
 	series_window(series, norm->from, norm->until);
 	return STATUS_OK;
 }
@@ -125,7 +127,7 @@ static int finest_series(struct series *mean, double *value, struct evaluation *
 			continue;
 		}
 		CHECK(curve_get(&e->reference, e->plan->study, other));
-		CHECK(norm_series(&one, e->reference.table, norm));
+		CHECK(norm_series(&one, e->reference.table, e->plan->study, other, norm));
 		*value += series_value(&one, norm->kind, norm->level);
 		if (!mean->x) {
 			*mean = one;
@@ -157,7 +159,7 @@ static int column_norm(struct evaluation *e, const struct combination *c, const 
 	struct series own, reference = {0};
 	double reference_value = 0.0;
 	int status = STATUS_OK;
-	CHECK(norm_series(&own, e->own.table, norm));
+	CHECK(norm_series(&own, e->own.table, study, c, norm));
 	*value = series_value(&own, norm->kind, norm->level);
 	switch (study->reference.kind) {
 	case STUDY_NO_REFERENCE:
@@ -167,7 +169,7 @@ static int column_norm(struct evaluation *e, const struct combination *c, const 
 		status = exact_series(&reference, e, norm, &own);
 		break;
 	case STUDY_TABLE:
-		status = norm_series(&reference, e->table, norm);
+		status = norm_series(&reference, e->table, study, c, norm);
 		break;
 	case STUDY_FINEST:
 		status = finest_series(&reference, &reference_value, e, c, norm);

@@ -10,9 +10,10 @@ struct series {
 	double *x, *y; /* x grows */
 };
 
-/* Both are expressions of the table's columns, by name without unit.  STATUS_INPUT if one is not known, or the
- * abscissa does not grow. */
-int series_of_table(struct series *series, const struct csv_table *table, const char *abscissa, const char *column);
+/* Both are expressions of the table's columns, by name without unit, and of the knobs of `place` (NULL = none).
+ * STATUS_INPUT if a name is not known, or the abscissa does not grow. */
+int series_of_table(struct series *series, const struct csv_table *table, const struct plan_place *place,
+					const char *abscissa, const char *column);
 
 int series_create(struct series *series, int n);
 void series_free(struct series *series);
