@@ -412,7 +412,7 @@ static const struct scene_key guards_keys[] = {
 	{.name = "dem_step", .type = KEY_BOOL, AT(scene_guards, dem_step), .value = "true",
 	 .doc = "a DEM step above its limit is refused, an RVE whose discs jitter stops the run; false: for studies of stability only"},
 	{.name = "numerical_fracture", .type = KEY_BOOL, AT(scene_guards, numerical_fracture), .value = "true",
-	 .doc = "neighbours of an elastic body that share no node of the grid any more stop the run; false: for studies of stability only"},
+	 .doc = "neighbours of an elastic body that the grid tears apart, not the law, stop the run; false: for studies of stability only"},
 	END};
 
 /* ---- the whole ---- */

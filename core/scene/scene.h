@@ -299,7 +299,7 @@ struct scene_guards {
 	bool points_leaving;    /* true: a point leaving the grid stops the run */
 	bool time_step, thermal_step; /* true: steps above the limits of mechanics and heat conduction stop the run */
 	bool dem_step;          /* true: a DEM step above its limit is refused, an RVE whose discs jitter stops the run */
-	bool numerical_fracture; /* true: neighbours of an elastic body that share no node any more stop the run */
+	bool numerical_fracture; /* true: neighbours of an elastic body that the grid tears apart stop the run */
 };
 
 struct scene {
