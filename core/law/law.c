@@ -31,6 +31,7 @@ int law_create(struct law **result, const struct scene_law *scene, int n_points,
 	law->type = type;
 	law->n_points = n_points;
 	law->density = NAN;
+	law->coupling = 1.0;
 	memcpy(law->name, scene->name, sizeof law->name);
 	int status = type->create(law, scene, n_points, variant);
 	if (status == STATUS_OK)

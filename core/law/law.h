@@ -59,6 +59,7 @@ struct rve_model; /* rve/rve.h */
 struct law_type {
 	const char *name;
 	const char *doc;
+	bool cohesive; /* its points stay neighbours for good: pulled out of each other's reach the grid has torn them, not the law */
 	const struct field *fields; /* what export() can give, beside stress and heat */
 	int n_fields;
 
@@ -96,6 +97,7 @@ struct law {
 	const struct law_type *type;
 	char name[SCENE_NAME];
 	double density;       /* bulk at birth, kg/m3; NAN if the law has no opinion */
+	double coupling;      /* lambda / P-wave modulus at rest, 0..1: couples the two directions in the step's limit; 1 unless create() says less */
 	void *model;          /* parameters; rebuilt from the scene, never saved */
 	unsigned long long model_hash; /* of what the states rely on beside the scene's text (packings); 0 = nothing */
 	int n_points;

@@ -76,6 +76,7 @@ static int thermoelastic_create(struct law *law, const struct scene_law *scene, 
 		m->expansion_zz = -s->expansion;
 	}
 	m->modulus = m->lambda + 2.0 * m->mu;
+	law->coupling = fabs(m->lambda) / m->modulus;
 	return STATUS_OK;
 }
 
@@ -303,6 +304,7 @@ const struct law_type law_thermoelastic = {
 	.doc =
 		"isotropic at finite strain with thermal expansion: hencky (logarithmic strain; plane strain or plane stress) "
 		"or neo_hookean",
+	.cohesive = true,
 	.fields = thermoelastic_fields,
 	.n_fields = sizeof thermoelastic_fields / sizeof *thermoelastic_fields,
 	.create = thermoelastic_create,

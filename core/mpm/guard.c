@@ -32,47 +32,98 @@ static void find_limits(const struct mpm *mpm, double *wave, int *stiffest, doub
 	*heat = thermal * t->thermal_steps / t->thermal_every / mpm->scene->thermal.time_scale;
 }
 
-int guard_step(struct mpm *mpm, int status)
+/* What is left when a guard fires on the way to the grid: USF has already strained the points. */
+static const char *state_at(const struct mpm *mpm, int status)
+{
+	return mpm->scene->mpm.order == MPM_USF && status == STATUS_GUARD ? "within the step, not fit to go on from"
+																	  : "start of the step";
+}
+
+/* Where a shape has a bound for lone points its limit follows the points slowly, and a scene that begins above it is
+ * wrong from the start; without one it may come and go as points cross grid cells: the growth decides. */
+static int guard_motion(const struct mpm *mpm, int status, double wave, int stiffest)
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	const struct particles *p = &mpm->p;
+	double dt = mpm->scene->time.step, b = mpm->scene->time.step_factor, lattice = mpm->lattice_limit;
 	char text[160];
-	for (int s = 0; s < w->n_stripes; s++)
-		if (w->stripe_sums[s].bad >= 0) {
-			where(mpm, w->stripe_sums[s].bad, text);
-			return error_set(
-				STATUS_GUARD,
-				"%s: its stress, modulus or temperature is not a number; cure: a smaller time.step, and check "
-				"the law's parameters (state: start of the step)",
-				text);
-		}
-	double wave, heat, dt = mpm->scene->time.step;
-	int stiffest, diffusive;
-	find_limits(mpm, &wave, &stiffest, &heat, &diffusive);
-	if (w->thermal_dt > 0.0)
-		mpm->thermal_limit = heat;
-	mpm->stable_step = fmin(wave, mpm->thermal ? mpm->thermal_limit : INFINITY);
 	if (dt > wave) {
 		double density = p->mass[stiffest] / (p->volume0[stiffest] * mat2_determinant(p->F[stiffest]));
 		where(mpm, stiffest, text);
 		return error_set(
 			status,
 			"%s: time.step = %.4g s is above the limit %.4g s = %g h sqrt(rho/M) with M = %.4g Pa, rho = %.4g "
-			"kg/m3; cure: time.step of %.2g s or less, or a larger grid.cell (state: start of the step)",
-			text, dt, wave, mpm->scene->time.step_factor, p->modulus[stiffest], density, wave);
+			"kg/m3; cure: time.step of %.2g s or less, or a larger grid.cell (state: %s)",
+			text, dt, wave, b, p->modulus[stiffest], density, fmin(wave, lattice), state_at(mpm, status));
 	}
-	if (w->thermal_dt > 0.0 && dt > heat * (1.0 + 1e-9)) {
+	bool bounded = isfinite(mpm->shape->lone(0.25)), starts = status == STATUS_INPUT;
+	if (starts ? bounded && w->limit.motion > 2.0 : w->limit.growth > log(GROWTH_MOST)) {
+		where(mpm, starts ? w->limit.stiffest : w->limit.grown, text);
+		return error_set(status,
+						 "%s: time.step = %.4g s is above the limit %.4g s = %g sqrt(2)/w of the points as they lie in "
+						 "their grid cells; cure: %s (state: %s)",
+						 text, dt, lattice, b,
+						 bounded ? "that time.step or less, or a larger grid.cell"
+								 : "mpm.shape = \"ugimp\": the linear shape has no safe step for a point that has just "
+								   "entered a grid cell",
+						 state_at(mpm, status));
+	}
+	return STATUS_OK;
+}
+
+static int guard_heat(const struct mpm *mpm, int status, double heat, int diffusive)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	double dt = mpm->scene->time.step, passes = mpm->scene->time.thermal_steps;
+	char text[160];
+	if (dt > heat * (1.0 + 1e-9)) {
 		where(mpm, diffusive, text);
 		return error_set(
 			status,
-			"%s: time.step = %.4g s is above the limit of heat conduction %.4g s (rho c h^2/2k%s, %d thermal steps "
-			"in %d, thermal.time_scale %g); cure: time.step of %.2g s or less, or time.thermal_steps = %d (state: "
-			"start "
-			"of the step)",
-			text, dt, heat, mpm_convection_as_conduction(mpm, diffusive, 1.0) > 0.0 ? ", less what convection takes" : "",
-			mpm->scene->time.thermal_steps, mpm->scene->time.thermal_every, mpm->scene->thermal.time_scale, heat,
-			(int)ceil(dt / heat * mpm->scene->time.thermal_steps));
+			"%s: time.step = %.4g s is above the limit of heat conduction %.4g s (rho c h^2/2k%s, %g thermal steps "
+			"in %d, thermal.time_scale %g); cure: time.step of %.2g s or less, or time.thermal_steps = %d (state: %s)",
+			text, dt, heat,
+			mpm_convection_as_conduction(mpm, diffusive, 1.0) > 0.0 ? ", less what convection takes" : "", passes,
+			mpm->scene->time.thermal_every, mpm->scene->thermal.time_scale, heat, (int)ceil(dt / heat * passes),
+			state_at(mpm, status));
 	}
+	if (passes > 1.0 && w->limit.heat > 2.0) {
+		where(mpm, w->limit.hottest, text);
+		return error_set(
+			status,
+			"%s: time.thermal_steps = %g are too few for heat conduction on the points as they lie in their "
+			"grid cells; cure: time.thermal_steps = %d, or a smaller time.step (state: %s)",
+			text, passes, (int)ceil(0.5 * w->limit.heat * passes), state_at(mpm, status));
+	}
+	return STATUS_OK;
+}
+
+int guard_step(struct mpm *mpm, int status)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	char text[160];
+	const char *state = state_at(mpm, status);
+	for (int s = 0; s < w->n_stripes; s++)
+		if (w->stripe_sums[s].bad >= 0) {
+			where(mpm, w->stripe_sums[s].bad, text);
+			return error_set(
+				STATUS_GUARD,
+				"%s: its stress, modulus or temperature is not a number; cure: a smaller time.step, and check "
+				"the law's parameters (state: %s)",
+				text, state);
+		}
+	double wave, heat, dt = mpm->scene->time.step;
+	int stiffest, diffusive;
+	find_limits(mpm, &wave, &stiffest, &heat, &diffusive);
+	if (w->thermal_dt > 0.0)
+		mpm->thermal_limit = heat;
+	if (w->limit.motion > 0.0)
+		mpm->lattice_limit = dt * sqrt(2.0 / w->limit.motion);
+	mpm->stable_step = fmin(wave, mpm->thermal ? mpm->thermal_limit : INFINITY);
+	if (mpm->scene->guards.time_step)
+		CHECK(guard_motion(mpm, status, wave, stiffest));
+	if (mpm->scene->guards.thermal_step && w->thermal_dt > 0.0)
+		CHECK(guard_heat(mpm, status, heat, diffusive));
 	return STATUS_OK;
 }
 
@@ -91,6 +142,21 @@ int guard_inside(const struct mpm *mpm)
 					 "%s: it lies outside the grid; cure: a larger grid, a wall in its way, or guards.points_leaving = "
 					 "false (state: start of the step)",
 					 text);
+}
+
+int guard_cohesion(const struct mpm *mpm)
+{
+	int point, other;
+	char text[160];
+	if (!cohesion_lost(mpm, &point, &other))
+		return STATUS_OK;
+	where(mpm, point, text);
+	return error_set(
+		STATUS_GUARD,
+		"%s: it shares no node of the grid any more with its neighbour %d at (%.6g, %.6g) m: the grid tears "
+		"the body, not its law; cure: a larger points_per_cell, mpm.shape = \"ugimp\", or "
+		"guards.numerical_fracture = false (state: start of the step)",
+		text, mpm->p.id[other], mpm->p.x[other][0], mpm->p.x[other][1]);
 }
 
 int guard_points(const struct mpm *mpm)
@@ -128,6 +194,28 @@ int guard_residual(const struct mpm *mpm)
 		STATUS_GUARD,
 		"step %lld, t = %.6g s: %s; cure: a smaller time.step, or guards.energy_residual (state: start of the step)",
 		mpm->step, mpm->time, w->residual_message);
+}
+
+/* What has come back of the numerical losses was made of nothing: an explicit step beyond its limit does that before
+ * anything else shows.  The energy that comes and goes with the half step between stress and velocity stays well below
+ * the bound. */
+int guard_energy(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	double bound = mpm->scene->guards.energy_created, loss = ledger_loss(mpm);
+	w->total.loss_most = fmax(w->total.loss_most, loss);
+	double created = w->total.loss_most - loss;
+	if (!(bound > 0.0) || created <= bound * (w->total.scale + fabs(mpm->ledger.work_expansion)))
+		return STATUS_OK;
+	mpm_measure(mpm); /* the work of thermal expansion as it is now */
+	double scale = w->total.scale + fabs(mpm->ledger.work_expansion);
+	if (created <= bound * scale)
+		return STATUS_OK;
+	return error_set(
+		STATUS_GUARD,
+		"step %lld, t = %.6g s: the time integration has made %.3g J of nothing, %.3g%% of the work done (%.3g J), "
+		"allowed %.3g%%: it is unstable; cure: a smaller time.step, or guards.energy_created (state: %s)",
+		mpm->step, mpm->time, created, 100.0 * created / scale, scale, 100.0 * bound, state_at(mpm, STATUS_GUARD));
 }
 
 int guard_law(const struct mpm *mpm, int status, int point)

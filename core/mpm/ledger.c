@@ -2,16 +2,20 @@
  *
  * With F_I the force on a node and vbar_I the mean of its velocities before and after, the grid's kinetic
  * energy changes by dt sum F_I.vbar_I, exactly.  From there (S: from nodes to points, dv_I: change of a
- * node, d: what PIC and damping do to a point):
+ * node, d: what PIC, damping, XPIC, FMPM or APIC do to a point beyond FLIP, v_flip = v + S dv):
  *  - FLIP keeps less than the grid has: 1/2 (sum m_I |dv_I|^2 - sum m_p |S dv|^2) is lost;
- *  - PIC and damping take - sum m_p (v_flip.d + |d|^2/2);
+ *  - d takes - sum m_p (v_flip.d + |d|^2/2);
+ *  - APIC's grid moves with the affine motion of the points too, whose energy is not the points': of what the
+ *    forces do on the grid, sum m_I v_I.dv_I - sum m_p v.S dv is done on that;
  *  - the points move with S v + (S dv + d)/2 (eq. 27), so gravity's potential changes by what gravity did on
- *    the grid, but for dt/2 g. sum m_p d.
- * All three are summed directly and make up loss_numerical, with the impacts on walls and one thing more:
- *  - USL pairs the stress at the start of a step with the velocities at its end.  With P the power of the
- *    internal forces on the nodes' velocities before the step, and Q that of the new stress on the step's L,
- *    a law that integrates its work by the trapezoid receives dt/2 (Q - P) more than the grid gave.  Q of one
- *    step and P of the next differ by what the remapping did to the velocity gradient.
+ *    the grid, but for dt/2 g. sum m_p d; APIC's move with v + S dv + d, which makes it dt/2 g. sum m_p (S dv + 2 d).
+ * All are summed directly and make up loss_numerical, with the impacts on walls and one thing more:
+ *  - the law receives dt/2 (Q0 + Q1), with Q0 and Q1 the power of the stress before and after its update on the L
+ *    in which the points strain (the trapezoid), and the grid gave dt/2 (P0 + P1), with P0 and P1 the power of the
+ *    internal forces on the nodes' velocities before and after the step.  dt/2 (P0 + P1 - Q0 - Q1) is lost.  USL
+ *    strains with the velocities after the step: Q0 = P1, and neither is summed.  USL and MUSL update the stress last:
+ *    Q1 is summed on the next way to the grid.  (With MUSL and USF what is lost holds the remapping, and what walls
+ *    hold back of the velocities in which points strain.)
  * What the internal force does on the grid and what the laws say they received is not reconciled: apart from
  * that known difference it is an error of the method and shows in the residual. */
 #include <math.h>
@@ -19,7 +23,7 @@
 #include <string.h>
 
 #include "base/mat2.h"
-#include "mpm/mpm_private.h"
+#include "mpm/point.h"
 
 const struct field mpm_ledger_fields[] = {
 	{"energy_kinetic", "J", 1, "of the points"},
@@ -27,13 +31,14 @@ const struct field mpm_ledger_fields[] = {
 	{"energy_rve_kinetic", "J", 1, "of the discs' fluctuations"},
 	{"energy_gravity", "J", 1, "- m g.x, counted from the origin of coordinates"},
 	{"energy_thermal", "J", 1, "heat content with the latent heat, counted from the start"},
-	{"work_boundary", "J", 1, "done by moving walls, imposed velocities and confining pressure"},
+	{"work_boundary", "J", 1,
+	 "done by moving walls, imposed velocities, confining pressure and the body force of motions"},
 	{"work_walls_friction", "J", 1, "turned into heat at walls"},
 	{"heat_rve_friction", "J", 1, "turned into heat in RVEs"},
 	{"loss_dashpot", "J", 1, "of the dashpots in RVEs"},
 	{"loss_bond", "J", 1, "of broken bonds"},
 	{"loss_fracture", "J", 1, "of fracture"},
-	{"loss_numerical", "J", 1, "PIC, damping, FLIP null space, remapping, impacts on walls"},
+	{"loss_numerical", "J", 1, "transfers between points and nodes, damping, remapping, impacts on walls"},
 	{"work_expansion", "J", 1, "done by thermal expansion"},
 	{"energy_discarded", "J", 1, "dropped with gas, re-seeded RVEs and points that left"},
 	{"heat_in", "J", 1, "through boundaries and walls"},
@@ -50,33 +55,37 @@ _Static_assert(sizeof mpm_ledger_fields / sizeof *mpm_ledger_fields == sizeof(st
 static void add_nodes(struct mpm *mpm, struct mpm_work *w, double *boundary)
 {
 	struct mpm_sums *t = &w->total;
-	double increment = 0.0, power = 0.0;
+	double increment = 0.0, power = 0.0, carried = 0.0;
 	for (int j = 0; j < mpm->grid.ny; j++) {
 		const struct row_sum *row = &w->row_sums[j];
 		increment += row->increment;
+		carried += row->carried;
 		power += row->power;
 		t->work_gravity += row->gravity;
-		*boundary += row->confining + row->velocity_work;
+		*boundary += row->confining + row->motion + row->velocity_work;
 		t->loss_numerical += row->velocity_loss;
 	}
 	for (int s = 0; s < w->n_stripes; s++)
 		power -= w->stripe_sums[s].power;
-	t->loss_numerical += 0.5 * increment + 0.5 * mpm->dt * power;
+	for (int b = 0; b < w->n_blocks && w->strain_power; b++)
+		power -= w->strain_power[b];
+	t->loss_numerical += 0.5 * increment + carried + 0.5 * mpm->dt * power;
 }
 
 static void add_points(struct mpm *mpm, struct mpm_work *w)
 {
 	struct mpm_sums *t = &w->total;
 	const double *g = mpm->scene->gravity;
-	double increment = 0.0, damped = 0.0, push[2] = {0.0, 0.0};
+	double increment = 0.0, damped = 0.0, carried = 0.0, push[2] = {0.0, 0.0};
 	for (int b = 0; b < w->n_blocks; b++) {
 		const struct block_sum *block = &w->block_sums[b];
 		increment += block->increment;
 		damped += block->damped;
+		carried += block->carried;
 		push[0] += block->push[0], push[1] += block->push[1];
 		t->discarded += block->discarded;
 	}
-	t->loss_numerical += -0.5 * increment - damped + 0.5 * mpm->dt * (g[0] * push[0] + g[1] * push[1]);
+	t->loss_numerical += -0.5 * increment - damped - carried + 0.5 * mpm->dt * (g[0] * push[0] + g[1] * push[1]);
 }
 
 /* Adds what a contact's wall carries of the confining pressure at a node: on the surface that turns to the wall. */
@@ -160,6 +169,15 @@ static double work_scale(const struct mpm_sums *t)
 		   t->work_boundary_turnover;
 }
 
+double ledger_loss(const struct mpm *mpm)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	double power = 0.0;
+	for (int s = 0; s < w->n_stripes && mpm->scene->mpm.order != MPM_USF; s++)
+		power += w->stripe_sums[s].power;
+	return w->total.loss_numerical - 0.5 * mpm->dt * power;
+}
+
 void ledger_add_step(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
@@ -176,16 +194,16 @@ void ledger_add_step(struct mpm *mpm)
 
 /* ---- the state as it is ---- */
 
-/* W, power of the stress on the last step's velocity gradient. */
-static double stress_power(const struct mpm *mpm)
+/* J, dt/2 Q1 of the last step as long as no way to the grid has summed it. */
+static double power_to_come(const struct mpm *mpm)
 {
 	const struct particles *p = &mpm->p;
 	double power = 0.0;
-	for (int k = 0; k < p->n; k++) {
-		const double *s = p->stress[k], *L = p->L[k];
-		power += mat2_determinant(p->F[k]) * p->volume0[k] * (s[0] * L[0] + s[3] * (L[1] + L[2]) + s[1] * L[3]);
-	}
-	return power;
+	if (mpm->scene->mpm.order == MPM_USF)
+		return 0.0;
+	for (int k = 0; k < p->n; k++)
+		power += stress_power(p->stress[k], p->L[k], mat2_determinant(p->F[k]) * p->volume0[k]);
+	return 0.5 * mpm->dt * power;
 }
 
 /* What is stored now and what the laws have counted since their last reset. */
@@ -231,7 +249,7 @@ void mpm_measure(struct mpm *mpm)
 	measure_points(mpm, &l);
 	l.work_boundary = t->work_boundary;
 	l.work_walls_friction = t->work_walls_friction;
-	l.loss_numerical = t->loss_numerical - 0.5 * mpm->dt * stress_power(mpm);
+	l.loss_numerical = t->loss_numerical - power_to_come(mpm);
 	l.energy_discarded += t->discarded;
 	l.heat_in = t->heat_in, l.heat_out = t->heat_out;
 	double now = l.energy_kinetic + l.energy_elastic + l.energy_rve_kinetic + l.energy_gravity;
@@ -261,7 +279,7 @@ void ledger_start(struct mpm *mpm)
 								 .start_rve_kinetic = l.energy_rve_kinetic,
 								 .start_gravity = l.energy_gravity,
 								 .start_thermal = l.energy_thermal,
-								 .loss_numerical = 0.5 * mpm->dt * stress_power(mpm),
+								 .loss_numerical = power_to_come(mpm),
 								 .start_step = (double)mpm->step};
 }
 

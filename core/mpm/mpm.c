@@ -55,9 +55,20 @@ static int advance_laws(struct mpm *mpm)
 static void collect_heat(struct mpm *mpm)
 {
 	struct particles *p = &mpm->p;
+	if (!mpm->thermal || !mpm->scene->thermal.friction_heat)
+		return;
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int k = 0; k < p->n; k++)
 		p->heat_pending[k] += p->heat[k] * mat2_determinant(p->F[k]) * p->volume0[k] * mpm->dt;
+}
+
+static int update_stress(struct mpm *mpm)
+{
+	long long start = now_ns();
+	CHECK(advance_laws(mpm));
+	mpm->law_time_ns += now_ns() - start;
+	collect_heat(mpm);
+	return STATUS_OK;
 }
 
 /* ---- one step ---- */
@@ -65,7 +76,8 @@ static void collect_heat(struct mpm *mpm)
 int mpm_step(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-	long long start = now_ns();
+	enum mpm_order order = mpm->scene->mpm.order;
+	long long start = now_ns(), law_before = mpm->law_time_ns;
 	CHECK(guard_residual(mpm));
 	stage_begin_step(mpm);
 	CHECK(grid_place(mpm));
@@ -75,35 +87,68 @@ int mpm_step(struct mpm *mpm)
 	CHECK(guard_inside(mpm));
 	if (mpm->step % RESORT_STEPS == 0)
 		mpm_resort_storage(mpm);
+	CHECK(guard_cohesion(mpm));
 
+	if (order == MPM_USF) {
+		mpm_strain_points(mpm);
+		CHECK(update_stress(mpm));
+	}
 	mpm_clear_grid(mpm);
 	mpm_points_to_grid(mpm);
+	if (w->limit_nodes && limit_due(mpm))
+		limit_look(mpm);
 	CHECK(guard_step(mpm, STATUS_GUARD));
+	CHECK(guard_energy(mpm));
+	if (w->body_force)
+		motion_forces(mpm);
 	mpm_integrate_nodes(mpm);
 	mpm_finish_nodes(mpm);
 	if (w->thermal_dt > 0.0)
 		mpm_heat_nodes(mpm);
+	mpm_filter_nodes(mpm);
 	mpm_grid_to_points(mpm);
+	if (order == MPM_MUSL)
+		mpm_strain_points(mpm);
+	if (w->limit_nodes)
+		limit_follow(mpm);
 
 	ledger_add_step(mpm);
 	walls_move(mpm);
 	mpm->step++;
 	mpm->time = (double)mpm->step * mpm->dt;
 	CHECK(guard_points(mpm));
-	long long law_start = now_ns();
-	CHECK(advance_laws(mpm));
-	long long law_end = now_ns();
-	if (mpm->thermal && mpm->scene->thermal.friction_heat)
-		collect_heat(mpm);
+	if (order != MPM_USF)
+		CHECK(update_stress(mpm));
 	stage_end_step(mpm);
 	if (mpm->scene->guards.energy_residual > 0.0 && mpm->step % RESIDUAL_STEPS == 0)
 		mpm_measure(mpm);
-	mpm->law_time_ns += law_end - law_start;
-	mpm->mpm_time_ns += now_ns() - law_end + law_start - start;
+	mpm->mpm_time_ns += now_ns() - start - (mpm->law_time_ns - law_before);
 	return STATUS_OK;
 }
 
 /* ---- birth ---- */
+
+/* What XPIC, FMPM, USF and MUSL need beside the rest. */
+static int create_projection(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	const struct scene_mpm *s = &mpm->scene->mpm;
+	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, n = (size_t)mpm->p.n;
+	bool strain = s->order != MPM_USL, filter = s->transfer == MPM_XPIC || s->transfer == MPM_FMPM;
+	if (strain || filter) {
+		w->projected = aligned_alloc(64, nodes * sizeof *w->projected);
+		if (!w->projected)
+			return error_set(STATUS_RESOURCE, "out of memory for %zu nodes", nodes);
+		memset(w->projected, 0, nodes * sizeof *w->projected);
+	}
+	if (strain)
+		w->strain_power = calloc(n / BLOCK_POINTS + 1, sizeof *w->strain_power);
+	if (s->order == MPM_MUSL)
+		w->way = calloc(n, sizeof *w->way);
+	return (strain && !w->strain_power) || (s->order == MPM_MUSL && !w->way)
+			   ? error_set(STATUS_RESOURCE, "out of memory for %zu points", n)
+			   : STATUS_OK;
+}
 
 static int create_work(struct mpm *mpm)
 {
@@ -130,11 +175,23 @@ static int create_work(struct mpm *mpm)
 					w->sums && w->stripe_sums && w->block_sums && w->row_sums && w->heat_sums;
 	if (complete)
 		memset(w->sums, 0, nodes * sizeof *w->sums);
+	if (mpm->scene->guards.time_step || mpm->scene->guards.thermal_step) {
+		w->limit_nodes = calloc(nodes, sizeof *w->limit_nodes);
+		w->limit_sums = calloc((size_t)w->n_stripes, sizeof *w->limit_sums);
+		w->limit_points = calloc(n + 1, sizeof *w->limit_points);
+		complete = complete && w->limit_nodes && w->limit_sums && w->limit_points;
+	}
 	if (mpm->scene->mpm.confining_pressure != 0.0) {
 		w->confining = calloc(nodes, sizeof *w->confining);
 		w->seen = calloc(nodes, sizeof *w->seen);
 		complete = complete && w->confining && w->seen;
 	}
+	bool driven = false;
+	for (int b = 0; b < mpm->scene->n_bodies; b++)
+		driven = driven || (mpm->scene->bodies[b].motion.solution && mpm->scene->bodies[b].motion.force);
+	if (driven)
+		w->body_force = calloc(nodes, sizeof *w->body_force);
+	complete = complete && (!driven || w->body_force);
 	return complete ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for %zu points on %zu nodes", n, nodes);
 }
 
@@ -235,6 +292,8 @@ static int give_birth(struct mpm *mpm, const struct birth *birth, int id, int at
 		p->v[at][c] = body->velocity[c];
 	}
 	mat2_identity(p->F[at]);
+	if (body->motion.solution)
+		CHECK(motion_begin(mpm, at, birth->x));
 	p->volume0[at] = side * side * scene->grid.thickness;
 	p->mass[at] = density * p->volume0[at];
 	p->T[at] = p->T_smooth[at] = birth->temperature;
@@ -250,7 +309,7 @@ static int create_points(struct mpm *mpm, int n, const struct birth *births)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	const struct scene *scene = mpm->scene;
-	CHECK(particles_create(&mpm->p, n));
+	CHECK(particles_create(&mpm->p, n, scene->mpm.transfer == MPM_APIC));
 	CHECK(freezing_create(mpm));
 	int next[scene->n_laws + 1];
 	memset(next, 0, sizeof next);
@@ -339,9 +398,11 @@ static int create_all(struct mpm *mpm)
 	CHECK(grid_create(mpm));
 	CHECK(fill(mpm));
 	CHECK(create_work(mpm));
+	CHECK(create_projection(mpm));
 	CHECK(walls_create(mpm));
 	CHECK(grid_place(mpm));
 	CHECK(boundaries_create(mpm));
+	CHECK(cohesion_create(mpm));
 	CHECK(start_laws(mpm));
 	stage_begin_step(mpm);
 	walls_update(mpm);
@@ -355,6 +416,8 @@ static int create_all(struct mpm *mpm)
 	mpm_points_to_grid(mpm);
 	if (mpm->thermal)
 		mpm_remap_temperature(mpm);
+	if (mpm_work(mpm)->limit_nodes)
+		limit_look(mpm);
 	int status = guard_step(mpm, STATUS_INPUT);
 	if (status != STATUS_OK)
 		return error_context(status, "%s: time.step", scene->path);
@@ -371,6 +434,7 @@ int mpm_create(struct mpm **result, const struct scene *scene)
 	if (!mpm)
 		return error_set(STATUS_RESOURCE, "out of memory");
 	mpm->scene = scene;
+	mpm->lattice_limit = INFINITY;
 	mpm->work = calloc(1, sizeof(struct mpm_work));
 	int status = mpm->work ? create_all(mpm) : error_set(STATUS_RESOURCE, "out of memory");
 	if (status == STATUS_OK)
@@ -396,10 +460,13 @@ void mpm_free(struct mpm *mpm)
 	if (w) {
 		walls_free(mpm);
 		boundaries_free(mpm);
-		void *private[] = {
-			w->half,        w->law_start,  w->law_names, w->law_of_scene, w->conductivity,  w->cell, w->order,
-			w->cell_first,  w->row_low,    w->row_high,  w->scratch,      w->permutation,   w->sums, w->confining,
-			w->stripe_sums, w->block_sums, w->row_sums,  w->heat_sums,    w->start_warming, w->seen, w->freezing};
+		cohesion_free(mpm);
+		void *private[] = {w->half,        w->law_start,    w->law_names,   w->law_of_scene,  w->conductivity,
+						   w->cell,        w->order,        w->cell_first,  w->row_low,       w->row_high,
+						   w->scratch,     w->permutation,  w->sums,        w->confining,     w->stripe_sums,
+						   w->block_sums,  w->row_sums,     w->heat_sums,   w->start_warming, w->seen,
+						   w->projected,   w->strain_power, w->way,         w->freezing,      w->body_force,
+						   w->limit_nodes, w->limit_sums,   w->limit_points};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);
@@ -460,6 +527,7 @@ int mpm_state(struct mpm *mpm, struct mpm_state_array *arrays)
 	n = add_array(arrays, n, "mpm/stage", &mpm->stage, 'i', 1);
 	n = add_array(arrays, n, "mpm/stage_start", &mpm->stage_start, 'd', 1);
 	n = add_array(arrays, n, "mpm/stable_step", &mpm->stable_step, 'd', 1);
+	n = add_array(arrays, n, "mpm/lattice_limit", &mpm->lattice_limit, 'd', 1);
 	n = add_array(arrays, n, "mpm/thermal_limit", &mpm->thermal_limit, 'd', 1);
 	n = add_array(arrays, n, "mpm/ledger_sums", &w->total, 'd', sizeof w->total / sizeof(double));
 	if (walls) {
@@ -490,8 +558,12 @@ size_t mpm_memory(const struct mpm *mpm)
 	const struct mpm_work *w = mpm_work(mpm);
 	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, n = (size_t)mpm->p.n;
 	size_t per_node = sizeof(struct node_sum) + 7 * sizeof(double) + (mpm->thermal ? 6 * sizeof(double) : 0) +
-					  (w->fixed_v ? 4 * sizeof(double) : 0) + (w->confining ? 2 * sizeof(double) : 0) + sizeof(int);
-	size_t bytes = particles_bytes(mpm->p.n) + n * (3 * sizeof(int) + particles_widest()) + nodes * per_node +
+					  (w->fixed_v ? 4 * sizeof(double) : 0) +
+					  ((w->confining != NULL) + (w->body_force != NULL)) * 2 * sizeof(double) + sizeof(int) +
+					  (w->projected ? sizeof *w->projected : 0);
+	per_node += w->limit_nodes ? sizeof *w->limit_nodes : 0;
+	size_t bytes = particles_bytes(&mpm->p) +
+				   n * (3 * sizeof(int) + particles_widest() + (w->way ? sizeof *w->way : 0)) + nodes * per_node +
 				   (size_t)w->wall_node_capacity * (sizeof(struct wall_node) + sizeof(struct wall_effect));
 	for (int l = 0; l < mpm->n_laws; l++)
 		bytes += (size_t)mpm->laws[l]->n_points * mpm->laws[l]->state_bytes;

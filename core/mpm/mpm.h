@@ -1,6 +1,6 @@
 /* The material point method at the scale of the scene: grid, points, walls, heat, ledger, one step.
  *
- * One step reads like the paper (TM-DEMPM section 2, order USL): weights, to grid, forces, heat,
+ * One step reads like the paper (TM-DEMPM section 2; here in the order USL): weights, to grid, forces, heat,
  * integrate, walls, to points, law.  The passes a scene needs are chosen once, in mpm_create(). */
 #ifndef TMDEMPM_MPM_MPM_H
 #define TMDEMPM_MPM_MPM_H
@@ -33,11 +33,11 @@ struct mpm_ledger {
 	/* what is there now */
 	double energy_kinetic, energy_elastic, energy_rve_kinetic, energy_gravity, energy_thermal;
 	/* what has passed since the start (or zero_ledger) */
-	double work_boundary;       /* by moving walls and imposed velocities, confining pressure */
+	double work_boundary;       /* by moving walls, imposed velocities, confining pressure, body force of motions */
 	double work_walls_friction; /* turned into heat at walls */
 	double heat_rve_friction;   /* turned into heat in RVEs */
 	double loss_dashpot, loss_bond, loss_fracture;
-	double loss_numerical;      /* PIC, damping, FLIP null space, remapping, unilateral impacts on walls */
+	double loss_numerical;      /* transfers between points and nodes, damping, remapping, unilateral impacts on walls */
 	double work_expansion;      /* by thermal expansion */
 	double energy_discarded;    /* gas, re-seeded */
 	double heat_in, heat_out;   /* through boundaries and walls */
@@ -80,6 +80,7 @@ struct mpm {
 	double (*wall_offset)[2];  /* m, how far each wall has moved */
 	struct mpm_ledger ledger;  /* filled by mpm_measure(), which a step calls now and then to judge the residual */
 	double stable_step;        /* s, b h sqrt(rho/M) of the last step's stiffest point (thermal limit included) */
+	double lattice_limit;      /* s, limit of the points as they lie in their grid cells at the last look; INFINITY = far */
 	double thermal_limit;      /* s, the largest time.step that heat conduction allowed in its last step */
 	long long law_time_ns, mpm_time_ns; /* wall time so far in the law and in everything else of the step */
 	void *work;                /* private: see mpm_private.h */

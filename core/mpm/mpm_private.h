@@ -38,7 +38,7 @@ struct stripe_sum {
 	double diffusivity;           /* max of k / (rho c), m2/s */
 	int stiffest, most_diffusive; /* storage index, -1 = none */
 	int bad;                      /* storage index of the first point with a non-finite stress, -1 */
-	double power;                 /* W, sum V sigma : L with the L of the step before */
+	double power;                 /* W, sum V sigma : L with the L in which the points strained last */
 	double heat_given;            /* J, of the laws */
 	double heat_in, heat_out;     /* J, through boundaries with a flux or convection */
 };
@@ -47,7 +47,8 @@ struct stripe_sum {
 struct block_sum {
 	double increment; /* sum m |S dv|^2, J */
 	double damped;    /* sum m (v_flip . d + |d|^2 / 2), J */
-	double push[2];   /* sum m d, kg m/s */
+	double carried;   /* sum m v . S dv, J; of APIC only */
+	double push[2];   /* sum m (2 x' - 2 S v - S dv) with x' the rate at which the point moves, kg m/s */
 	double discarded; /* J, kinetic energy of parked points */
 	int bad, left;    /* storage index of the first non-finite point, of the first that left the grid; -1 */
 };
@@ -55,10 +56,20 @@ struct block_sum {
 /* Partial results of one row of nodes. */
 struct row_sum {
 	double increment;                    /* sum m |dv|^2, J */
-	double power;                        /* W, of the internal forces on the velocities before the step, - sum f.v */
+	double carried;                      /* sum m v.dv, J; of APIC only */
+	double power;                        /* W, of the internal forces on the nodes, see ledger.c */
 	double gravity, confining;           /* J, work of gravity and of the confining pressure */
+	double motion;                       /* J, work of the body force of motions */
 	double velocity_work, velocity_loss; /* J, of imposed velocities */
 };
+
+/* What a node needs where velocities go between points and nodes beside the step itself; one cache line. */
+struct node_projection {
+	double sum[2];    /* m/s, of XPIC and FMPM: goes to the points */
+	double term[2];   /* m/s, of their series */
+	double back[2];   /* kg m/s, momentum that comes from the points */
+	double strain[2]; /* m/s, USF and MUSL: from which the points strain */
+} __attribute__((aligned(64)));
 
 /* The same of the thermal pass. */
 struct heat_sum {
@@ -89,6 +100,25 @@ struct wall_effect {
 	double boundary, friction, impact; /* J */
 };
 
+/* What the points that touch a node bring to the limit of the step: see limit.c.  First sums, then over mass (1/s2) and
+ * heat capacity (1/s). */
+struct limit_node {
+	double motion[2], heat[2];
+};
+
+/* And of a point: weight of each direction, (dt w)^2 / b^2. */
+struct limit_point {
+	double weight[2], X;
+};
+
+/* Largest values of the last look, and the points that have them (storage index, -1 = none). */
+struct limit_sum {
+	double motion; /* (dt w)^2 / b^2: stable below 2 */
+	double heat;   /* dt times the largest rate of a pass of heat conduction: stable below 2 */
+	double growth; /* ln of the stress's growth */
+	int stiffest, hottest, grown;
+};
+
 /* Sums since the start (or zero_ledger); saved with the state. */
 struct mpm_sums {
 	double work_boundary, work_boundary_turnover; /* J; turnover: absolute values per step */
@@ -98,7 +128,9 @@ struct mpm_sums {
 	double start_kinetic, start_elastic, start_rve_kinetic, start_gravity, start_thermal; /* J */
 	double start_step;
 	double work_gravity;
-	double scale; /* J, most work done so far: what the residual is compared with */
+	double scale;         /* J, most work done so far: what the residual is compared with */
+	double loss_most;     /* J, largest loss_numerical so far: what has come back since was made of nothing */
+	double limit_watched; /* 1: the next step is looked at, the limit is near or may have moved */
 };
 
 /* How a material freezes.  Specific enthalpy J/kg, counted from all frozen at `low`: linear below, through the
@@ -143,6 +175,7 @@ struct mpm_work {
 
 	struct node_sum *sums;
 	double (*confining)[2];  /* m2: sum V grad w; NULL without confining pressure */
+	double (*body_force)[2]; /* N, by node, of bodies that follow a motion; NULL = none */
 	bool *seen;              /* by node, of a walk over the nodes beside a wall; NULL without confining pressure */
 	double *wall_heat;       /* J, by node: wall friction heat that waits for the thermal step; NULL = none */
 	double *fixed_T;         /* K, by node: imposed temperature, NAN = free; NULL without heat */
@@ -167,12 +200,23 @@ struct mpm_work {
 	struct wall_solid *solids; /* by scene wall */
 	double (*wall_found)[2];   /* offset at which its nodes were found */
 
+	struct limit_node *limit_nodes; /* NULL = no guard asks for it */
+	struct limit_point *limit_points;
+	struct limit_sum *limit_sums, limit; /* by stripe; of all, at the last look */
+	int (*neighbours)[2];                /* by id: to the right and above on the lattice of the body, -1 = none */
+	int *storage_of;                     /* by id; filled when it is needed */
+
 	struct stripe_sum *stripe_sums;
 	struct block_sum *block_sums;
 	struct row_sum *row_sums;
 	struct heat_sum *heat_sums;
 	struct mpm_sums total;
 	double alpha_p, alpha_g, alpha_pic; /* as fractions of this step */
+	bool filtered;                      /* XPIC or FMPM act in this step */
+	bool filters_step;                  /* FMPM: they act on the velocities after the step */
+	struct node_projection *projected;  /* NULL if nothing needs it */
+	double (*way)[2];                   /* m, MUSL: by how much points will move when they have strained; else NULL */
+	double *strain_power;               /* W, by block, USF and MUSL: of the old stress on the strain rate; else NULL */
 	double thermal_dt;                  /* s of thermal time, of this step's thermal pass; 0 = none in this step */
 
 	double internal_force_scale; /* 1; a test plants an error here to see the residual guard fire */
@@ -181,6 +225,14 @@ struct mpm_work {
 
 static inline struct mpm_work *mpm_work(const struct mpm *mpm) { return mpm->work; }
 static inline bool mpm_parallel(const struct mpm *mpm) { return mpm->p.n >= PARALLEL_POINTS; }
+
+/* The points of a stripe: order[first .. last - 1]. */
+static inline void mpm_stripe_points(const struct mpm_work *w, int stripe, int *first, int *last)
+{
+	int from = stripe * STRIPE_ROWS, to = from + STRIPE_ROWS < w->cells_y ? from + STRIPE_ROWS : w->cells_y;
+	*first = w->cell_first[from * w->cells_x];
+	*last = w->cell_first[to * w->cells_x];
+}
 
 /* Conductivity xx yy xy of a point, W/(m K): the material's or the law's; of frozen and thawed by their shares. */
 static inline void mpm_point_conductivity(const struct mpm *mpm, int p, double conductivity[3])
@@ -200,12 +252,14 @@ static inline void mpm_point_conductivity(const struct mpm *mpm, int p, double c
 }
 
 /* ---- particles.c ---- */
-int particles_create(struct particles *p, int n);
+int particles_create(struct particles *p, int n, bool affine);
 void particles_free(struct particles *p);
 /* New storage index k gets what was at permutation[k]. */
 void particles_permute(struct particles *p, const int *permutation, void *scratch);
-size_t particles_bytes(int n);
+size_t particles_bytes(const struct particles *p);
 size_t particles_widest(void);
+/* Takes a point's motion away. */
+void point_stop(struct particles *p, int k);
 /* Appends the columns to the list of state arrays (or only counts). */
 int particles_state(struct particles *p, struct mpm_state_array *arrays, int at);
 
@@ -217,6 +271,8 @@ int grid_create(struct mpm *mpm);
 int grid_place(struct mpm *mpm);
 
 /* ---- sort.c ---- */
+/* Grid cell of a place, -1 outside the scene's box (and for NaN). */
+int mpm_cell_of(const struct mpm_work *w, const double x[2]);
 void mpm_sort(struct mpm *mpm);
 void mpm_resort_storage(struct mpm *mpm);
 
@@ -226,12 +282,36 @@ void mpm_points_to_grid(struct mpm *mpm);
 void mpm_integrate_nodes(struct mpm *mpm);
 void mpm_finish_nodes(struct mpm *mpm);
 void mpm_grid_to_points(struct mpm *mpm);
+/* Calls scatter() for every stripe, those that share no node at the same time. */
+void mpm_each_stripe(struct mpm *mpm, void (*scatter)(struct mpm *, struct mpm_work *, int stripe));
+/* Beyond the grid: parked, without motion, where it is. */
+void point_park(struct particles *p, int k, struct block_sum *sum);
+
+/* ---- project.c ---- */
+void mpm_filter_nodes(struct mpm *mpm);
+void mpm_strain_points(struct mpm *mpm);
+
+/* ---- motion.c ---- */
+/* Puts a point of a body with a motion where that begins. */
+int motion_begin(struct mpm *mpm, int p, const double X[2]);
+/* The nodes' body forces of this step. */
+void motion_forces(struct mpm *mpm);
 
 /* ---- thermal.c ---- */
 void mpm_heat_nodes(struct mpm *mpm);
 void mpm_remap_temperature(struct mpm *mpm);
 /* W m2/K: the conductivity times volume that would take as much of the step limit as convection at a point. */
 double mpm_convection_as_conduction(const struct mpm *mpm, int p, double volume);
+
+/* W m2/K, what bounds the thermal step of a point: its volume times at least the larger eigenvalue of its conductivity,
+ * and what convection adds. */
+static inline double mpm_conductance(const struct mpm *mpm, int p, double volume)
+{
+	double tensor[3];
+	mpm_point_conductivity(mpm, p, tensor);
+	double conductance = (fmax(tensor[0], tensor[1]) + fabs(tensor[2])) * volume;
+	return mpm_work(mpm)->n_point_heats ? conductance + mpm_convection_as_conduction(mpm, p, volume) : conductance;
+}
 
 /* ---- freezing.c ---- */
 int freezing_create(struct mpm *mpm);
@@ -251,6 +331,7 @@ bool wall_contains(const struct mpm *mpm, int wall, const double x[2], double to
 /* Looks again which walls are on, where they are and which nodes they hold. */
 void walls_update(struct mpm *mpm);
 void walls_apply(struct mpm *mpm);
+void walls_hold(struct mpm *mpm);
 void walls_account(struct mpm *mpm);
 void walls_move(struct mpm *mpm);
 
@@ -259,15 +340,32 @@ int boundaries_create(struct mpm *mpm);
 void boundaries_free(struct mpm *mpm);
 void boundaries_update(struct mpm *mpm);
 
+/* ---- limit.c: how far the step is from its limit on the points' places ---- */
+enum { GROWTH_MOST = 100 }; /* of a point's stress beyond the limit before the run is stopped */
+bool limit_due(const struct mpm *mpm);
+/* After the points have moved: one that enters a grid cell calls for a look where the shape has no bound. */
+void limit_follow(struct mpm *mpm);
+/* After the points have gone to the grid: fills w->limit and the points' growth. */
+void limit_look(struct mpm *mpm);
+
+/* ---- cohesion.c: neighbours that the grid connects no more ---- */
+int cohesion_create(struct mpm *mpm);
+void cohesion_free(struct mpm *mpm);
+bool cohesion_lost(const struct mpm *mpm, int *point, int *neighbour);
+
 /* ---- ledger.c ---- */
+/* J, loss_numerical at the start of a step, after the points have gone to the grid. */
+double ledger_loss(const struct mpm *mpm);
 void ledger_add_step(struct mpm *mpm);
 void ledger_start(struct mpm *mpm);
 
 /* ---- guard.c: STATUS_GUARD (or `status`) with step, time, point, reason and cure ---- */
 int guard_step(struct mpm *mpm, int status);
 int guard_inside(const struct mpm *mpm);
+int guard_cohesion(const struct mpm *mpm);
 int guard_points(const struct mpm *mpm);
 int guard_residual(const struct mpm *mpm);
+int guard_energy(struct mpm *mpm);
 int guard_law(const struct mpm *mpm, int status, int point);
 
 /* ---- stage.c ---- */

@@ -45,6 +45,8 @@ static const struct column columns[] = {
 	COLUMN(thawed, 'd', 1),
 	COLUMN(heat_pending, 'd', 1),
 	COLUMN(heat_friction_sum, 'd', 1),
+	COLUMN(growth, 'd', 1),
+	COLUMN(affine, 'd', 4), /* with APIC only */
 };
 
 enum { N_COLUMNS = sizeof columns / sizeof *columns };
@@ -54,19 +56,21 @@ static size_t column_bytes(const struct column *column)
 	return (size_t)column->per_point * (column->type == 'i' ? sizeof(int) : sizeof(double));
 }
 
-static void **column_data(struct particles *p, const struct column *column)
+static void *column_of(const struct particles *p, const struct column *column)
 {
-	return (void **)((char *)p + column->offset);
+	return *(void *const *)((const char *)p + column->offset);
 }
 
 /* Rounded up to whole cache lines, as aligned_alloc wants it. */
 static size_t padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
 
-int particles_create(struct particles *p, int n)
+int particles_create(struct particles *p, int n, bool affine)
 {
 	memset(p, 0, sizeof *p);
 	p->n = n;
 	for (int c = 0; c < N_COLUMNS; c++) {
+		if (columns[c].offset == offsetof(struct particles, affine) && !affine)
+			continue;
 		size_t bytes = padded((size_t)n * column_bytes(&columns[c]) + 1);
 		void *data = aligned_alloc(64, bytes);
 		if (!data) {
@@ -74,7 +78,7 @@ int particles_create(struct particles *p, int n)
 			return error_set(STATUS_RESOURCE, "out of memory for %d points", n);
 		}
 		memset(data, 0, bytes);
-		*column_data(p, &columns[c]) = data;
+		*(void **)((char *)p + columns[c].offset) = data;
 	}
 	return STATUS_OK;
 }
@@ -82,15 +86,16 @@ int particles_create(struct particles *p, int n)
 void particles_free(struct particles *p)
 {
 	for (int c = 0; c < N_COLUMNS; c++)
-		free(*column_data(p, &columns[c]));
+		free(column_of(p, &columns[c]));
 	memset(p, 0, sizeof *p);
 }
 
-size_t particles_bytes(int n)
+size_t particles_bytes(const struct particles *p)
 {
 	size_t bytes = 0;
 	for (int c = 0; c < N_COLUMNS; c++)
-		bytes += padded((size_t)n * column_bytes(&columns[c]) + 1);
+		if (column_of(p, &columns[c]))
+			bytes += padded((size_t)p->n * column_bytes(&columns[c]) + 1);
 	return bytes;
 }
 
@@ -106,7 +111,9 @@ void particles_permute(struct particles *p, const int *permutation, void *scratc
 {
 	for (int c = 0; c < N_COLUMNS; c++) {
 		size_t bytes = column_bytes(&columns[c]);
-		char *data = *column_data(p, &columns[c]), *copy = scratch;
+		char *data = column_of(p, &columns[c]), *copy = scratch;
+		if (!data)
+			continue;
 		memcpy(copy, data, (size_t)p->n * bytes);
 		for (int k = 0; k < p->n; k++)
 			memcpy(data + (size_t)k * bytes, copy + (size_t)permutation[k] * bytes, bytes);
@@ -115,11 +122,21 @@ void particles_permute(struct particles *p, const int *permutation, void *scratc
 
 int particles_state(struct particles *p, struct mpm_state_array *arrays, int at)
 {
-	for (int c = 0; c < N_COLUMNS; c++, at++)
-		if (arrays)
-			arrays[at] = (struct mpm_state_array){columns[c].name, *column_data(p, &columns[c]), columns[c].type,
+	for (int c = 0; c < N_COLUMNS; c++) {
+		void *data = column_of(p, &columns[c]);
+		if (data && arrays)
+			arrays[at] = (struct mpm_state_array){columns[c].name, data, columns[c].type,
 												  (size_t)p->n * (size_t)columns[c].per_point};
+		at += data != NULL;
+	}
 	return at;
+}
+
+void point_stop(struct particles *p, int k)
+{
+	memset(p->v[k], 0, sizeof p->v[k]);
+	if (p->affine)
+		memset(p->affine[k], 0, sizeof p->affine[k]);
 }
 
 /* ---- fields for viewers and files ---- */

@@ -1,5 +1,6 @@
 #include "mpm/shape.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -68,11 +69,19 @@ static void ugimp_fill(const struct shape_grid *grid, int n, const int *point, c
 	}
 }
 
+static double linear_support(double half) { return (void)half, 1.0; }
+static double linear_lone(double half) { return (void)half, INFINITY; }
+static double ugimp_support(double half) { return 1.0 + half; }
+static double ugimp_lone(double half) { return 2.0 / half + 1.0 / (1.0 - half); }
+
 static const struct shape shape_linear = {
 	.name = "linear",
 	.doc = "bilinear, 4 nodes; the cheapest; points that cross grid cells make noise",
 	.max_nodes = 4,
+	.affine_by_gradient = true,
 	.reach = 0,
+	.support = linear_support,
+	.lone = linear_lone,
 	.fill = linear_fill,
 };
 
@@ -81,6 +90,8 @@ static const struct shape shape_ugimp = {
 	.doc = "generalised interpolation over the undeformed domain of the point, 9 nodes",
 	.max_nodes = 9,
 	.reach = 1,
+	.support = ugimp_support,
+	.lone = ugimp_lone,
 	.fill = ugimp_fill,
 };
 

@@ -6,13 +6,16 @@
 #ifndef TMDEMPM_MPM_SHAPE_H
 #define TMDEMPM_MPM_SHAPE_H
 
+#include <stdbool.h>
+
 enum {
 	SHAPE_CHUNK = 32,    /* points in one buffer */
 	SHAPE_MAX_NODES = 16 /* of any shape function */
 };
 
 /* The lists of a chunk.  Entry a of point k is number k * max_nodes + a; every point has exactly
- * max_nodes entries, those that it does not need with weight and gradient zero. */
+ * max_nodes entries, those that it does not need with weight and gradient zero.  They are a square of nodes: entry
+ * j * sqrt(max_nodes) + i is the node (i, j) steps from the first, its weight the product of one in x and one in y. */
 struct shape_lists {
 	int node[SHAPE_CHUNK * SHAPE_MAX_NODES];
 	double weight[SHAPE_CHUNK * SHAPE_MAX_NODES]; /* - */
@@ -32,7 +35,13 @@ struct shape {
 	const char *name;
 	const char *doc;
 	int max_nodes;
-	int reach; /* a point in grid cell i has nodes i - reach .. i + 1 + reach in each direction */
+	bool affine_by_gradient; /* APIC's D is singular at nodes: C is taken as the gradient (mpm/point.h) */
+	int reach;               /* a point in grid cell i has nodes i - reach .. i + 1 + reach in each direction */
+
+	/* Of a point with half its domain `half` over h: the nodes that it touches lie less than this many cells away, */
+	double (*support)(double half);
+	/* and the most that sum_I h^2 (dw_I/dx)^2 / w_I can be in one direction, wherever it is; INFINITY = no bound. */
+	double (*lone)(double half);
 
 	/* Lists of the n <= SHAPE_CHUNK points point[0..n-1] at x[point[k]].  half[size[point[k]]] is half the
 	 * side of their undeformed domain over h, 0 < half <= 1/2. */

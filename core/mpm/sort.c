@@ -3,8 +3,7 @@
 
 #include "mpm/mpm_private.h"
 
-/* Grid cell of a place, -1 outside the scene's box (and for NaN). */
-static int cell_of(const struct mpm_work *w, const double x[2])
+int mpm_cell_of(const struct mpm_work *w, const double x[2])
 {
 	const double *s = w->shape_grid.inverse_h;
 	double fx = (x[0] - w->shape_grid.origin[0]) * s[0], fy = (x[1] - w->shape_grid.origin[1]) * s[1];
@@ -58,7 +57,7 @@ void mpm_sort(struct mpm *mpm)
 	int *first = w->cell_first;
 	memset(first, 0, ((size_t)cells + 1) * sizeof *first);
 	for (int k = 0; k < p->n; k++) {
-		int c = cell_of(w, p->x[k]);
+		int c = mpm_cell_of(w, p->x[k]);
 		w->cell[k] = c;
 		if (c >= 0)
 			first[c]++;

@@ -1,6 +1,4 @@
 /* Stages: the damping and the walls of a span of time, and what is done when it ends. */
-#include <string.h>
-
 #include "mpm/mpm_private.h"
 
 double mpm_thermal_step(const struct mpm *mpm)
@@ -17,7 +15,9 @@ void stage_begin_step(struct mpm *mpm)
 	mpm->bonds_installed = false;
 	w->alpha_p = (scene->mpm.damping_particle + staged) * mpm->dt;
 	w->alpha_g = scene->mpm.damping_grid * mpm->dt;
-	w->alpha_pic = scene->mpm.pic_fraction;
+	w->filters_step = scene->mpm.transfer == MPM_FMPM;
+	w->filtered = (scene->mpm.transfer == MPM_XPIC || w->filters_step) && (mpm->step + 1) % scene->mpm.xpic_every == 0;
+	w->alpha_pic = w->filtered ? 0.0 : scene->mpm.transfer == MPM_APIC ? 1.0 : scene->mpm.pic_fraction;
 	int every = scene->time.thermal_every;
 	bool due = mpm->thermal && (mpm->step + 1) % every == 0;
 	w->thermal_dt = due ? mpm_thermal_step(mpm) : 0.0;
@@ -29,7 +29,7 @@ static void zero_velocities(struct mpm *mpm)
 	struct particles *p = &mpm->p;
 	for (int k = 0; k < p->n; k++) {
 		mpm_work(mpm)->total.loss_numerical += 0.5 * p->mass[k] * (p->v[k][0] * p->v[k][0] + p->v[k][1] * p->v[k][1]);
-		memset(p->v[k], 0, sizeof p->v[k]);
+		point_stop(p, k);
 	}
 }
 

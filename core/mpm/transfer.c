@@ -1,11 +1,21 @@
-/* Points to grid, the nodes' step, grid to points (TM-DEMPM section 2; order USL). */
+/* Points to grid, the nodes' step, grid to points (TM-DEMPM section 2). */
 #include <math.h>
 #include <string.h>
 
 #include "base/mat2.h"
-#include "mpm/mpm_private.h"
+#include "mpm/point.h"
 
-#define INLINE static inline __attribute__((always_inline))
+/* What a scene asks of a pass; the hot sets are known when it is compiled. */
+enum {
+	PART_HEAT = 1,     /* this is a thermal step */
+	PART_CONFINED = 2, /* confining pressure */
+	PART_DAMPED = 4,   /* PIC or damping */
+	PART_FILTERED = 8, /* XPIC or FMPM in this step */
+	PART_AFFINE = 16,  /* APIC */
+	PART_STRAIN = 32   /* USL: points strain with the velocities that move them */
+};
+
+static int side_of(int nodes) { return nodes == 9 ? 3 : nodes == 4 ? 2 : (int)lround(sqrt(nodes)); }
 
 /* ---- points to grid ---- */
 
@@ -26,17 +36,15 @@ void mpm_clear_grid(struct mpm *mpm)
 	}
 }
 
-/* Is everything that the force needs a number?  The sum of the parts is one only if all are. */
-INLINE bool finite4(const double a[4]) { return isfinite(a[0] + a[1] + a[2] + a[3]); }
-
 INLINE void scatter_point(const struct mpm *mpm, struct mpm_work *w, const struct shape_lists *lists, int at, int p,
-						  int nodes, bool heat, bool confined, double volume)
+						  int nodes, int parts, double volume)
 {
 	const struct particles *points = &mpm->p;
 	const double *s = points->stress[p];
 	const double m = points->mass[p], px = m * points->v[p][0], py = m * points->v[p][1];
 	const double fxx = -volume * s[0], fyy = -volume * s[1], fxy = -volume * s[3];
-	const double capacity = heat ? m * points->capacity[p] : 0.0, content = heat ? capacity * points->T[p] : 0.0;
+	const double capacity = parts & PART_HEAT ? m * points->capacity[p] : 0.0;
+	const double content = parts & PART_HEAT ? capacity * points->T[p] : 0.0;
 	for (int a = 0; a < nodes; a++) {
 		double weight = lists->weight[at + a], gx = lists->grad_x[at + a], gy = lists->grad_y[at + a];
 		struct node_sum *node = &w->sums[lists->node[at + a]];
@@ -45,14 +53,30 @@ INLINE void scatter_point(const struct mpm *mpm, struct mpm_work *w, const struc
 		node->force[0] += gx * fxx + gy * fxy;
 		node->force[1] += gx * fxy + gy * fyy;
 		node->mass += weight * m;
-		if (heat) {
+		if (parts & PART_HEAT) {
 			node->capacity += weight * capacity;
 			node->heat += weight * content;
 		}
-		if (confined) {
+		if (parts & PART_CONFINED) {
 			w->confining[lists->node[at + a]][0] += gx * volume;
 			w->confining[lists->node[at + a]][1] += gy * volume;
 		}
+	}
+}
+
+/* The momentum of a point's affine motion, which adds up to none. */
+INLINE void scatter_affine(const struct mpm *mpm, struct mpm_work *w, const struct shape_lists *lists, int at, int p,
+						   int side)
+{
+	double r[2], C[4], m = mpm->p.mass[p];
+	first_node(mpm, lists, at, p, r);
+	affine_matrix(mpm, lists, at, p, side, r, C);
+	for (int a = 0; a < side * side; a++) {
+		double x[2], wm = lists->weight[at + a] * m;
+		struct node_sum *node = &w->sums[lists->node[at + a]];
+		node_of_list(mpm, r, a, side, x);
+		node->momentum[0] += wm * (C[0] * x[0] + C[1] * x[1]);
+		node->momentum[1] += wm * (C[2] * x[0] + C[3] * x[1]);
 	}
 }
 
@@ -60,38 +84,30 @@ INLINE void scatter_point(const struct mpm *mpm, struct mpm_work *w, const struc
 INLINE void check_point(const struct mpm *mpm, struct stripe_sum *sum, int p, double volume)
 {
 	const struct particles *points = &mpm->p;
-	const double *s = points->stress[p], *L = points->L[p];
 	double stiffness = points->modulus[p] * volume / points->mass[p];
-	sum->power += volume * (s[0] * L[0] + s[3] * (L[1] + L[2]) + s[1] * L[3]);
+	sum->power += stress_power(points->stress[p], points->L[p], volume);
 	if (stiffness > sum->stiffness)
 		sum->stiffness = stiffness, sum->stiffest = p;
 	if (!(finite4(points->stress[p]) && isfinite(stiffness)) && sum->bad < 0)
 		sum->bad = p;
 }
 
-INLINE void check_point_heat(const struct mpm *mpm, const struct mpm_work *w, struct stripe_sum *sum, int p,
-							 double volume)
+INLINE void check_point_heat(const struct mpm *mpm, struct stripe_sum *sum, int p, double volume)
 {
 	const struct particles *points = &mpm->p;
-	double tensor[3];
-	mpm_point_conductivity(mpm, p, tensor);
-	double k = fmax(tensor[0], tensor[1]) + fabs(tensor[2]); /* bounds the larger eigenvalue */
-	double flow = k * volume;
-	if (w->n_point_heats)
-		flow += mpm_convection_as_conduction(mpm, p, volume);
-	double diffusivity = flow / (points->mass[p] * points->capacity[p]);
+	double diffusivity = mpm_conductance(mpm, p, volume) / (points->mass[p] * points->capacity[p]);
 	if (diffusivity > sum->diffusivity)
 		sum->diffusivity = diffusivity, sum->most_diffusive = p;
 	if (!isfinite(diffusivity + points->T[p]) && sum->bad < 0)
 		sum->bad = p;
 }
 
-INLINE void scatter_stripe(const struct mpm *mpm, struct mpm_work *w, int stripe, int nodes, bool heat, bool confined)
+INLINE void scatter_stripe(const struct mpm *mpm, struct mpm_work *w, int stripe, int nodes, int parts)
 {
 	struct shape_lists lists;
 	const struct particles *points = &mpm->p;
-	int rows = w->cells_y, from = stripe * STRIPE_ROWS, to = from + STRIPE_ROWS < rows ? from + STRIPE_ROWS : rows;
-	int first = w->cell_first[from * w->cells_x], last = w->cell_first[to * w->cells_x];
+	int first, last, side = side_of(nodes);
+	mpm_stripe_points(w, stripe, &first, &last);
 	struct stripe_sum sum = {.stiffest = -1, .most_diffusive = -1, .bad = -1};
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
@@ -99,42 +115,53 @@ INLINE void scatter_stripe(const struct mpm *mpm, struct mpm_work *w, int stripe
 		for (int k = 0; k < n; k++) {
 			double volume = mat2_determinant(points->F[chunk[k]]) * points->volume0[chunk[k]];
 			check_point(mpm, &sum, chunk[k], volume);
-			if (heat)
-				check_point_heat(mpm, w, &sum, chunk[k], volume);
-			scatter_point(mpm, w, &lists, k * nodes, chunk[k], nodes, heat, confined, volume);
+			if (parts & PART_HEAT)
+				check_point_heat(mpm, &sum, chunk[k], volume);
+			scatter_point(mpm, w, &lists, k * nodes, chunk[k], nodes, parts, volume);
+			if (parts & PART_AFFINE)
+				scatter_affine(mpm, w, &lists, k * nodes, chunk[k], side);
 		}
 	}
 	w->stripe_sums[stripe] = sum;
 }
 
-/* One copy of the loop for each shape and set of passes, so that the inner loops have fixed lengths. */
-static void scatter_stripe_any(const struct mpm *mpm, struct mpm_work *w, int stripe)
+/* One copy of the loop for each shape and the usual sets of parts, so that the inner loops have fixed lengths. */
+INLINE void scatter_stripe_of(struct mpm *mpm, struct mpm_work *w, int stripe, int nodes, int parts)
 {
-	int nodes = mpm->shape->max_nodes;
-	bool heat = w->thermal_dt > 0.0;
-	if (w->confining)
-		scatter_stripe(mpm, w, stripe, nodes, heat, true);
-	else if (nodes == 9 && heat)
-		scatter_stripe(mpm, w, stripe, 9, true, false);
-	else if (nodes == 9)
-		scatter_stripe(mpm, w, stripe, 9, false, false);
-	else if (nodes == 4 && heat)
-		scatter_stripe(mpm, w, stripe, 4, true, false);
-	else if (nodes == 4)
-		scatter_stripe(mpm, w, stripe, 4, false, false);
+	if (parts == 0)
+		scatter_stripe(mpm, w, stripe, nodes, 0);
+	else if (parts == PART_HEAT)
+		scatter_stripe(mpm, w, stripe, nodes, PART_HEAT);
+	else if (parts == PART_AFFINE)
+		scatter_stripe(mpm, w, stripe, nodes, PART_AFFINE);
 	else
-		scatter_stripe(mpm, w, stripe, nodes, heat, false);
+		scatter_stripe(mpm, w, stripe, nodes, parts);
 }
 
-void mpm_points_to_grid(struct mpm *mpm)
+static void scatter_stripe_any(struct mpm *mpm, struct mpm_work *w, int stripe)
+{
+	int nodes = mpm->shape->max_nodes;
+	int parts =
+		(w->thermal_dt > 0.0 ? PART_HEAT : 0) | (w->confining ? PART_CONFINED : 0) | (mpm->p.affine ? PART_AFFINE : 0);
+	if (nodes == 9)
+		scatter_stripe_of(mpm, w, stripe, 9, parts);
+	else if (nodes == 4)
+		scatter_stripe_of(mpm, w, stripe, 4, parts);
+	else
+		scatter_stripe(mpm, w, stripe, nodes, parts);
+}
+
+void mpm_each_stripe(struct mpm *mpm, void (*scatter)(struct mpm *, struct mpm_work *, int))
 {
 	struct mpm_work *w = mpm_work(mpm);
 	for (int parity = 0; parity < 2; parity++) {
 #pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))
 		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
-			scatter_stripe_any(mpm, w, stripe);
+			scatter(mpm, w, stripe);
 	}
 }
+
+void mpm_points_to_grid(struct mpm *mpm) { mpm_each_stripe(mpm, scatter_stripe_any); }
 
 /* ---- nodes ---- */
 
@@ -156,6 +183,8 @@ static void integrate_row(struct mpm *mpm, struct mpm_work *w, int j)
 			double f = scale * sum->force[c] + sum->mass * g[c];
 			if (w->confining)
 				f -= confining * w->confining[node][c];
+			if (w->body_force)
+				f += w->body_force[node][c];
 			grid->force[node][c] = f;
 			grid->v[node][c] = sum->momentum[c] / sum->mass;
 			grid->v_new[node][c] = grid->v[node][c] + f / sum->mass * dt;
@@ -200,15 +229,22 @@ static struct row_sum finish_row(const struct mpm *mpm, const struct mpm_work *w
 	struct row_sum sum = {0};
 	const struct grid *grid = &mpm->grid;
 	const double *g = mpm->scene->gravity, confining = mpm->scene->mpm.confining_pressure;
+	const bool strain_apart = mpm->scene->mpm.order != MPM_USL, affine = mpm->p.affine != NULL;
 	for (int i = w->row_low[j]; i <= w->row_high[j]; i++) {
 		size_t node = (size_t)j * (size_t)grid->nx + (size_t)i;
 		for (int c = 0; c < 2; c++) {
 			double dv = grid->v_new[node][c] - grid->v[node][c], mean = 0.5 * (grid->v_new[node][c] + grid->v[node][c]);
 			sum.increment += grid->mass[node] * dv * dv;
 			sum.power -= w->sums[node].force[c] * grid->v[node][c];
+			if (strain_apart)
+				sum.power -= w->sums[node].force[c] * grid->v_new[node][c];
+			if (affine)
+				sum.carried += grid->mass[node] * grid->v[node][c] * dv;
 			sum.gravity += grid->mass[node] * g[c] * mean * mpm->dt;
 			if (w->confining && grid->mass[node] > 0.0)
 				sum.confining -= confining * w->confining[node][c] * mean * mpm->dt;
+			if (w->body_force)
+				sum.motion += w->body_force[node][c] * mean * mpm->dt;
 			if (w->fixed_v && !isnan(w->fixed_v[node][c])) {
 				sum.velocity_work += w->fixed_push[node][c] * w->fixed_v[node][c];
 				sum.velocity_loss -= w->fixed_push[node][c] * (mean - w->fixed_v[node][c]);
@@ -231,12 +267,13 @@ void mpm_finish_nodes(struct mpm *mpm)
 
 struct gathered {
 	double v[2], v_new[2]; /* m/s */
+	double v_filtered[2];  /* m/s, of XPIC and FMPM */
 	double L[4];           /* 1/s */
 	double T_new, dT;      /* K */
 };
 
-INLINE struct gathered gather_point(const struct grid *grid, const struct shape_lists *lists, int at, int nodes,
-									bool heat)
+INLINE struct gathered gather_point(const struct grid *grid, const struct mpm_work *w, const struct shape_lists *lists,
+									int at, int nodes, int parts)
 {
 	struct gathered g = {0};
 	for (int a = 0; a < nodes; a++) {
@@ -247,11 +284,17 @@ INLINE struct gathered gather_point(const struct grid *grid, const struct shape_
 		g.v[1] += weight * v[1];
 		g.v_new[0] += weight * u[0];
 		g.v_new[1] += weight * u[1];
-		g.L[0] += u[0] * gx;
-		g.L[2] += u[1] * gx;
-		g.L[1] += u[0] * gy;
-		g.L[3] += u[1] * gy;
-		if (heat) {
+		if (parts & PART_STRAIN) {
+			g.L[0] += u[0] * gx;
+			g.L[2] += u[1] * gx;
+			g.L[1] += u[0] * gy;
+			g.L[3] += u[1] * gy;
+		}
+		if (parts & PART_FILTERED) {
+			g.v_filtered[0] += weight * w->projected[node].sum[0];
+			g.v_filtered[1] += weight * w->projected[node].sum[1];
+		}
+		if (parts & PART_HEAT) {
 			g.T_new += weight * grid->T_new[node];
 			g.dT += weight * (grid->T_new[node] - grid->T[node]);
 		}
@@ -259,78 +302,73 @@ INLINE struct gathered gather_point(const struct grid *grid, const struct shape_
 	return g;
 }
 
-/* exp(A) F.  The series serves the small increments of a stable step to the last bit or so, without a call to
- * the maths library; what lies outside goes the general way. */
-INLINE void deform(double F[4], const double L[4], double dt)
+/* What PIC, damping and the filter add to FLIP's velocity of a point, m/s (eq. 26).  APIC is PIC in whole. */
+INLINE double correction(const struct gathered *g, const struct mpm_work *w, int c, double v, double flip, int parts)
 {
-	double A[4] = {L[0] * dt, L[1] * dt, L[2] * dt, L[3] * dt}, e[4];
-	double s = 0.5 * (A[0] + A[3]), d = 0.5 * (A[0] - A[3]), q2 = d * d + A[1] * A[2];
-	if (fabs(s) < 0.01 && fabs(q2) < 1e-4) {
-		double es =
-			1.0 + s * (1.0 + s * (1.0 / 2 + s * (1.0 / 6 + s * (1.0 / 24 + s * (1.0 / 120 + s * (1.0 / 720))))));
-		double c = 1.0 + q2 * (1.0 / 2 + q2 * (1.0 / 24 + q2 * (1.0 / 720 + q2 * (1.0 / 40320))));
-		double k = es * (1.0 + q2 * (1.0 / 6 + q2 * (1.0 / 120 + q2 * (1.0 / 5040 + q2 * (1.0 / 362880)))));
-		c *= es;
-		e[0] = c + k * d, e[1] = k * A[1], e[2] = k * A[2], e[3] = c - k * d;
-	} else {
-		mat2_exp(A, e);
-	}
-	mat2_multiply(e, F, F);
+	double d = (w->alpha_pic - w->alpha_g) * g->v[c] - (w->alpha_pic + w->alpha_p) * v;
+	if (parts & PART_FILTERED)
+		d += g->v_filtered[c] - (w->filters_step ? flip : v);
+	return d;
 }
 
-/* Velocity by eq. 26, position by eq. 27 with its sign put right: x moves with the mean of the remapped
- * velocity before the step and the particle's change, which makes the potential energy of gravity close. */
+/* Velocity by eq. 26, position by eq. 27 with its sign put right: x moves with the mean of the remapped velocity
+ * before the step and the particle's change, which makes the potential energy of gravity close, to the last bit
+ * in free fall.  That holds for whatever changes the velocity, as long as it keeps the momentum of the grid, so it
+ * is the rule of FLIP, XPIC and FMPM.  APIC's points go with their new velocity, as in its source: only a way along
+ * the momentum leaves the angular momentum as it was (the mean turns a spinning body's momentum by dt^2/2 V x a in
+ * every step).  They are half a step ahead of gravity then, which the ledger books.  (FMPM's source moves with the
+ * mean of the point's own velocities; the Danilovskaya bar does not tell these rules apart.)
+ * way: where the displacement goes, m. */
 INLINE void move_point(struct particles *p, int k, const struct gathered *g, const struct mpm_work *w, double dt,
-					   bool damped, struct block_sum *sum)
+					   int parts, double way[2], struct block_sum *sum)
 {
 	double m = p->mass[k];
 	for (int c = 0; c < 2; c++) {
 		double v = p->v[k][c], gain = g->v_new[c] - g->v[c], flip = v + gain, change = gain;
 		sum->increment += m * gain * gain;
-		if (damped) {
-			double d = (w->alpha_pic - w->alpha_g) * g->v[c] - (w->alpha_pic + w->alpha_p) * v;
+		if (parts & (PART_DAMPED | PART_FILTERED | PART_AFFINE)) {
+			double d = correction(g, w, c, v, flip, parts);
 			sum->damped += m * d * (flip + 0.5 * d);
-			sum->push[c] += m * d;
+			sum->push[c] += parts & PART_AFFINE ? m * (gain + 2.0 * d) : m * d;
 			change += d;
 		}
+		if (parts & PART_AFFINE)
+			sum->carried += m * v * gain;
 		p->v[k][c] = v + change;
-		p->x[k][c] += dt * (g->v[c] + 0.5 * change);
+		way[c] += dt * (parts & PART_AFFINE ? v + change : g->v[c] + 0.5 * change);
 	}
 }
 
-static bool inside(const struct mpm_work *w, const double x[2])
-{
-	const double *s = w->shape_grid.inverse_h;
-	double fx = (x[0] - w->shape_grid.origin[0]) * s[0], fy = (x[1] - w->shape_grid.origin[1]) * s[1];
-	return fx >= GHOST_CELLS && fy >= GHOST_CELLS && fx <= w->cells_x - GHOST_CELLS && fy <= w->cells_y - GHOST_CELLS;
-}
-
-/* Beyond the grid: parked, without motion, where it is. */
-static void park_point(struct particles *p, int k, struct block_sum *sum)
+void point_park(struct particles *p, int k, struct block_sum *sum)
 {
 	sum->discarded += 0.5 * p->mass[k] * (p->v[k][0] * p->v[k][0] + p->v[k][1] * p->v[k][1]);
-	memset(p->v[k], 0, sizeof p->v[k]);
+	point_stop(p, k);
 	memset(p->L[k], 0, sizeof p->L[k]);
 	p->dT[k] = 0.0;
 }
 
-INLINE void gather_block(struct mpm *mpm, struct mpm_work *w, int block, int nodes, bool heat, bool damped)
+INLINE void gather_block(struct mpm *mpm, struct mpm_work *w, int block, int nodes, int parts)
 {
 	struct shape_lists lists;
 	struct particles *p = &mpm->p;
 	const double dt = mpm->dt;
-	int first = block * BLOCK_POINTS, last = first + BLOCK_POINTS < w->n_inside ? first + BLOCK_POINTS : w->n_inside;
+	const int side = side_of(nodes), first = block * BLOCK_POINTS;
+	const int last = first + BLOCK_POINTS < w->n_inside ? first + BLOCK_POINTS : w->n_inside;
 	struct block_sum sum = {.bad = -1, .left = -1};
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
 		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])p->x, p->body, w->half, &lists);
 		for (int k = 0; k < n; k++) {
 			int q = chunk[k];
-			struct gathered g = gather_point(&mpm->grid, &lists, k * nodes, nodes, heat);
-			move_point(p, q, &g, w, dt, damped, &sum);
-			memcpy(p->L[q], g.L, sizeof g.L);
-			deform(p->F[q], g.L, dt);
-			if (heat) {
+			struct gathered g = gather_point(&mpm->grid, w, &lists, k * nodes, nodes, parts);
+			if (parts & PART_AFFINE)
+				affine_gather(mpm, &lists, k * nodes, q, side, 1.0 - w->alpha_p - w->alpha_g);
+			move_point(p, q, &g, w, dt, parts, parts & PART_STRAIN || !w->way ? p->x[q] : w->way[q], &sum);
+			if (parts & PART_STRAIN) {
+				memcpy(p->L[q], g.L, sizeof g.L);
+				deform(p->F[q], g.L, dt);
+			}
+			if (parts & PART_HEAT) {
 				if (w->freezes && w->freezing[p->material[q]].on)
 					freezing_absorb(mpm, q, g.dT);
 				else
@@ -340,35 +378,48 @@ INLINE void gather_block(struct mpm *mpm, struct mpm_work *w, int block, int nod
 			} else if (mpm->thermal) {
 				p->dT[q] = 0.0; /* a mechanical step between two thermal ones */
 			}
-			if (!isfinite(p->x[q][0] + p->x[q][1] + p->v[q][0] + p->v[q][1]) || !finite4(p->F[q]) ||
-				(heat && !isfinite(p->T[q])))
-				sum.bad = sum.bad < 0 ? q : sum.bad;
-			else if (!inside(w, p->x[q])) {
-				sum.left = sum.left < 0 ? q : sum.left;
-				if (!mpm->scene->guards.points_leaving)
-					park_point(p, q, &sum);
-			}
+			check_moved(mpm, w, q, parts & PART_HEAT, &sum);
 		}
 	}
 	w->block_sums[block] = sum;
 }
 
+/* As scatter_stripe_of().  With heat the damping is always looked at: a thermal step has other work to do. */
+INLINE void gather_block_of(struct mpm *mpm, struct mpm_work *w, int block, int nodes, int parts)
+{
+	enum {
+		FLIP = PART_STRAIN,
+		DAMPED = FLIP | PART_DAMPED,
+		HEAT = DAMPED | PART_HEAT,
+		FILTERED = FLIP | PART_FILTERED,
+		AFFINE = DAMPED | PART_AFFINE
+	};
+	if (parts == FLIP)
+		gather_block(mpm, w, block, nodes, FLIP);
+	else if (parts == DAMPED)
+		gather_block(mpm, w, block, nodes, DAMPED);
+	else if ((parts | PART_DAMPED) == HEAT)
+		gather_block(mpm, w, block, nodes, HEAT);
+	else if (parts == FILTERED)
+		gather_block(mpm, w, block, nodes, FILTERED);
+	else if (parts == AFFINE)
+		gather_block(mpm, w, block, nodes, AFFINE);
+	else
+		gather_block(mpm, w, block, nodes, parts);
+}
+
 static void gather_block_any(struct mpm *mpm, struct mpm_work *w, int block)
 {
 	int nodes = mpm->shape->max_nodes;
-	bool heat = w->thermal_dt > 0.0, damped = w->alpha_pic != 0.0 || w->alpha_p != 0.0 || w->alpha_g != 0.0;
-	if (nodes == 9 && heat)
-		gather_block(mpm, w, block, 9, true, true);
-	else if (nodes == 9 && damped)
-		gather_block(mpm, w, block, 9, false, true);
-	else if (nodes == 9)
-		gather_block(mpm, w, block, 9, false, false);
-	else if (nodes == 4 && heat)
-		gather_block(mpm, w, block, 4, true, true);
+	bool damped = w->alpha_pic != 0.0 || w->alpha_p != 0.0 || w->alpha_g != 0.0;
+	int parts = (w->thermal_dt > 0.0 ? PART_HEAT : 0) | (damped ? PART_DAMPED : 0) | (w->filtered ? PART_FILTERED : 0) |
+				(mpm->p.affine ? PART_AFFINE : 0) | (mpm->scene->mpm.order == MPM_USL ? PART_STRAIN : 0);
+	if (nodes == 9)
+		gather_block_of(mpm, w, block, 9, parts);
 	else if (nodes == 4)
-		gather_block(mpm, w, block, 4, false, damped);
+		gather_block_of(mpm, w, block, 4, parts);
 	else
-		gather_block(mpm, w, block, nodes, heat, true);
+		gather_block(mpm, w, block, nodes, parts);
 }
 
 void mpm_grid_to_points(struct mpm *mpm)

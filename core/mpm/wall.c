@@ -350,6 +350,36 @@ void walls_apply(struct mpm *mpm)
 	}
 }
 
+/* A contact allows no motion into its wall, and none at all against what ties it. */
+static void contact_hold(const struct scene_wall *s, const struct wall_node *contact, double v[2])
+{
+	const double relative[2] = {v[0] - s->velocity[0], v[1] - s->velocity[1]};
+	double n[2];
+	if (s->contact == SCENE_WALL_STICK) {
+		memcpy(v, s->velocity, 2 * sizeof *v);
+	} else if (acting_normal(contact, relative, n)) {
+		double vn = relative[0] * n[0] + relative[1] * n[1];
+		if (s->contact == SCENE_WALL_FRICTIONAL && vn > 0.0)
+			return;
+		v[0] -= vn * n[0];
+		v[1] -= vn * n[1];
+	}
+}
+
+/* What walls allow of the velocities in which points strain (USF, MUSL).  No force acts and nothing is booked:
+ * friction, a force, has its say in the step itself. */
+void walls_hold(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
+	for (int g = 0; g < w->n_wall_groups; g++) {
+		int first = w->wall_group[g], last = w->wall_group[g + 1], node = w->wall_nodes[first].node;
+		for (int sweep = 0; sweep < (last - first > 1 ? WALL_SWEEPS : 1) && mpm->grid.mass[node] > 0.0; sweep++)
+			for (int e = first; e < last; e++)
+				contact_hold(&mpm->scene->walls[w->wall_nodes[e].wall], &w->wall_nodes[e], w->projected[node].strain);
+	}
+}
+
 /* Where the work of a contact went: its impulse times the wall's velocity is work done by the wall; times the
  * mean slip it is friction; times the mean normal velocity it is lost in the impact. */
 static void contact_account(struct mpm *mpm, struct mpm_work *w, int e)

@@ -1,5 +1,5 @@
 /* Speed of the MPM on one core: whole mpm_step() calls on an elastic column that swings under its weight,
- * 4 points in each grid cell, ledger and guards included. */
+ * 4 points in each grid cell, ledger and guards included; and what each transfer scheme and order costs. */
 #include "run/bench.h"
 
 #include <math.h>
@@ -51,12 +51,12 @@ static void column_scene(struct column *c, const char *shape, int side, bool the
 	s->grid = (struct scene_grid){.size = {(side + 4) * h, (side + 8) * h}, .cell = h, .thickness = 1.0};
 	s->time = (struct scene_time){1.0, 0.4 * h / sqrt(young / density), 1.0, 1, 1};
 	snprintf(s->mpm.shape, sizeof s->mpm.shape, "%s", shape);
-	snprintf(s->mpm.transfer, sizeof s->mpm.transfer, "flip");
-	snprintf(s->mpm.order, sizeof s->mpm.order, "usl");
+	s->mpm.xpic_order = 2, s->mpm.xpic_every = 1;
 	s->thermal.on = thermal;
 	s->thermal.time_scale = 1.0;
 	s->gravity[1] = -9.81;
-	s->guards.points_leaving = true;
+	s->guards = (struct scene_guards){
+		.points_leaving = true, .time_step = true, .thermal_step = true, .numerical_fracture = true};
 	c->law = (struct scene_law){
 		.name = "elastic", .type = SCENE_LAW_THERMOELASTIC, .thermoelastic = {young, 0.3, 1e-5, false}};
 	c->material = (struct scene_material){.name = "solid",
@@ -108,6 +108,40 @@ static int bench_case(bool json, const char *name, const char *shape, int side, 
 	return status;
 }
 
+struct scheme_case {
+	const char *name;
+	enum mpm_transfer transfer;
+	enum mpm_order order;
+	int xpic_order;
+};
+
+/* Time of a step over that of FLIP in the order USL, in turns with it, so that a busy machine weighs on both. */
+static int bench_scheme(bool json, const struct scheme_case *scheme)
+{
+	struct column columns[2];
+	struct mpm *mpm[2] = {NULL, NULL};
+	double costs[REPEATS];
+	int status = STATUS_OK;
+	for (int k = 0; k < 2; k++)
+		column_scene(&columns[k], "ugimp", 50, false);
+	columns[1].scene.mpm.transfer = scheme->transfer, columns[1].scene.mpm.order = scheme->order;
+	columns[1].scene.mpm.xpic_order = scheme->xpic_order;
+	for (int k = 0; k < 2 && status == STATUS_OK; k++)
+		status = mpm_create(&mpm[k], &columns[k].scene);
+	for (int k = -1; k < REPEATS && status == STATUS_OK; k++) { /* the first warms */
+		double rates[2] = {0.0, 0.0};
+		for (int m = 0; m < 2 && status == STATUS_OK; m++)
+			status = run_steps(mpm[m], POINT_STEPS / mpm[m]->p.n / 2 + 1, &rates[m]);
+		if (k >= 0)
+			costs[k] = rates[0] / rates[1];
+	}
+	if (status == STATUS_OK)
+		bench_report(json, scheme->name, costs, REPEATS, "times flip, usl", 1);
+	mpm_free(mpm[0]);
+	mpm_free(mpm[1]);
+	return status;
+}
+
 int bench_mpm(bool json)
 {
 	static const struct {
@@ -119,11 +153,18 @@ int bench_mpm(bool json)
 		{"mpm_ugimp_10k", "ugimp", 50, false},        {"mpm_ugimp_100k", "ugimp", 158, false},
 		{"mpm_ugimp_thermal_10k", "ugimp", 50, true}, {"mpm_ugimp_thermal_100k", "ugimp", 158, true},
 	};
+	static const struct scheme_case schemes[] = {
+		{"mpm_xpic1", MPM_XPIC, MPM_USL, 1}, {"mpm_xpic2", MPM_XPIC, MPM_USL, 2}, {"mpm_xpic3", MPM_XPIC, MPM_USL, 3},
+		{"mpm_xpic5", MPM_XPIC, MPM_USL, 5}, {"mpm_fmpm2", MPM_FMPM, MPM_USL, 2}, {"mpm_apic", MPM_APIC, MPM_USL, 2},
+		{"mpm_usf", MPM_FLIP, MPM_USF, 2},   {"mpm_musl", MPM_FLIP, MPM_MUSL, 2},
+	};
 	int threads = omp_get_max_threads(), status = STATUS_OK;
 	omp_set_num_threads(1);
 	bench_header(json, 1);
 	for (size_t k = 0; k < sizeof cases / sizeof *cases && status == STATUS_OK; k++)
 		status = bench_case(json, cases[k].name, cases[k].shape, cases[k].side, cases[k].thermal);
+	for (size_t k = 0; k < sizeof schemes / sizeof *schemes && status == STATUS_OK; k++)
+		status = bench_scheme(json, &schemes[k]);
 	omp_set_num_threads(threads);
 	return status;
 }

@@ -15,8 +15,10 @@ static const double CHECK_SECONDS = 1.5; /* of measured steps */
 static void check_passes(const struct mpm *mpm)
 {
 	const struct scene *scene = mpm->scene;
-	printf("passes     %s shape functions, order %s, transfer %s", mpm->shape->name, scene->mpm.order,
-		   scene->mpm.transfer);
+	printf("passes     %s shape functions, order %s, transfer %s", mpm->shape->name, mpm_order_names[scene->mpm.order],
+		   mpm_transfer_names[scene->mpm.transfer]);
+	if (scene->mpm.transfer == MPM_XPIC || scene->mpm.transfer == MPM_FMPM)
+		printf("(%d) in one step of %d", scene->mpm.xpic_order, scene->mpm.xpic_every);
 	if (scene->mpm.pic_fraction > 0)
 		printf(" with %g PIC a step", scene->mpm.pic_fraction);
 	printf("\n           %s\n", mpm->thermal ? "heat: thermal pass on the same grid" : "no heat: no thermal pass");
@@ -51,6 +53,23 @@ static long check_rves(const struct mpm *mpm, int *discs)
 	return n;
 }
 
+/* What bonds make of the discs, Pa: F / (2 R z) = beta kn / (2 z), whatever the radii. */
+static void check_bonds(const struct scene *scene)
+{
+	for (int k = 0; k < scene->n_laws; k++) {
+		const struct scene_law_rve *rve = &scene->laws[k].rve;
+		const struct scene_bonds *bonds = &rve->bonds;
+		if (scene->laws[k].type != SCENE_LAW_RVE || !(bonds->strength > 0.0))
+			continue;
+		printf("bonds      law %s: a bond bears what %.4g kPa are on its discs", scene->laws[k].name,
+			   1e-3 * bonds->strength * rve->kn / (2.0 * rve->disc_thickness));
+		if (isfinite(bonds->melting))
+			printf(", %s %.6g %s", bonds->linear ? "softening up to" : "up to",
+				   scene_temperature_out(scene, bonds->melting), scene_temperature_unit(scene));
+		printf("\n");
+	}
+}
+
 static void check_sizes(const struct mpm *mpm)
 {
 	int discs;
@@ -61,6 +80,7 @@ static void check_sizes(const struct mpm *mpm)
 		printf("RVEs       %ld of %d discs each\n", rves, discs);
 	else
 		printf("RVEs       none\n");
+	check_bonds(mpm->scene);
 	printf("memory     %.1f MB\n", 1e-6 * (double)mpm_memory(mpm));
 }
 

@@ -8,6 +8,7 @@
 #include "exact/exact.h"
 #include "law/law.h"
 #include "mpm/mpm.h"
+#include "mpm/scheme.h"
 #include "mpm/shape.h"
 #include "run/json.h"
 #include "run/machine.h"
@@ -77,6 +78,13 @@ static void info_print_fields(const char *owner, const struct field *fields, int
 		printf("  %-24s %-8s %d  %s\n", fields[f].name, fields[f].unit, fields[f].components, fields[f].doc);
 }
 
+static void info_print_schemes(const char *title, const struct mpm_scheme *schemes)
+{
+	printf("%s\n", title);
+	for (int s = 0; schemes[s].name; s++)
+		printf("  %-14s %s\n", schemes[s].name, schemes[s].doc);
+}
+
 static void info_print(const struct machine *machine, const struct info_part *devices, const struct info_part *sinks)
 {
 	printf("tmdempm %s\nbuilt    %s, %s%s\n", TMDEMPM_VERSION, TMDEMPM_COMPILER, TMDEMPM_BUILD_TYPE,
@@ -91,6 +99,8 @@ static void info_print(const struct machine *machine, const struct info_part *de
 	printf("shapes\n");
 	for (int s = 0; shapes[s]; s++)
 		printf("  %-14s %s\n", shapes[s]->name, shapes[s]->doc);
+	info_print_schemes("transfers", mpm_transfers);
+	info_print_schemes("orders", mpm_orders);
 	printf("exact solutions (tmdempm exact NAME shows one)\n");
 	exact_print(NULL);
 	info_print_parts("sinks", sinks, INFO_SINKS);
@@ -109,6 +119,14 @@ static void info_json_part(struct json *json, const char *name, const char *doc)
 	json_text(json, "name", name);
 	json_text(json, "doc", doc);
 	json_close(json, '}');
+}
+
+static void info_json_schemes(struct json *json, const char *title, const struct mpm_scheme *schemes)
+{
+	json_open(json, title, '[');
+	for (int s = 0; schemes[s].name; s++)
+		info_json_part(json, schemes[s].name, schemes[s].doc);
+	json_close(json, ']');
 }
 
 static void info_json_parts(struct json *json, const char *title, const struct info_part *parts, int n)
@@ -162,6 +180,8 @@ static void info_json(const struct machine *machine, const struct info_part *dev
 	for (int s = 0; shapes[s]; s++)
 		info_json_part(&json, shapes[s]->name, shapes[s]->doc);
 	json_close(&json, ']');
+	info_json_schemes(&json, "transfers", mpm_transfers);
+	info_json_schemes(&json, "orders", mpm_orders);
 	json_open(&json, "exact", '[');
 	for (int s = 0; exact_solutions[s]; s++)
 		info_json_part(&json, exact_solutions[s]->name, exact_solutions[s]->doc);

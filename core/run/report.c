@@ -1,7 +1,9 @@
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/error.h"
+#include "mpm/shape.h"
 #include "run/json.h"
 #include "run/run_private.h"
 #include "rve/model.h"
@@ -142,6 +144,53 @@ static void report_fill(struct json *json, const struct run *run, const char *st
 	report_counts(json, run);
 	report_outcome(json, run, state);
 	json_close(json, '}');
+}
+
+/* ---- what no guard stops ---- */
+
+static void judge_crossing(struct run *run)
+{
+	const struct mpm *mpm = run->mpm;
+	int crossed = 0;
+	if (isfinite(mpm->shape->lone(0.25)))
+		return;
+	for (int k = 0; k < mpm->p.n; k++)
+		crossed += fabs(mpm->p.x[k][0] - mpm->p.x0[k][0]) > mpm->grid.h ||
+				   fabs(mpm->p.x[k][1] - mpm->p.x0[k][1]) > mpm->grid.h;
+	if (crossed > 0)
+		log_warning(
+			&run->log,
+			"%d points have crossed grid cells with mpm.shape = \"%s\": their stress is noisy by a good part of "
+			"itself; mpm.shape = \"ugimp\" is not",
+			crossed, mpm->shape->name);
+}
+
+/* Shares of the calls beyond which the mean stress is not to be trusted (methods-rve: 40% at I = 0.037). */
+static void judge_inertia(struct run *run)
+{
+	static const double most = 0.05;
+	struct law_counts counts;
+	double calls = 0.0, fast = 0.0;
+	run_counts(run, &counts);
+	for (int i = 0; i < INERTIA_BINS; i++)
+		calls += (double)counts.inertia[i], fast += i >= INERTIA_BINS - 2 ? (double)counts.inertia[i] : 0.0;
+	if (calls > 0.0 && fast > most * calls)
+		log_warning(
+			&run->log,
+			"%.0f%% of the RVEs' steps had an inertial number above 0.03, where the mean stress is too large by "
+			"40%% and more; a smaller time.step, rve.strain_per_step or a larger n_max makes them slower",
+			100.0 * fast / calls);
+	if (calls > 0.0 && (double)counts.clamped > most * calls)
+		log_warning(&run->log,
+					"n_max cut the DEM steps of %.0f%% of the RVEs' steps: they were strained faster than "
+					"strain_per_step allows",
+					100.0 * (double)counts.clamped / calls);
+}
+
+void report_judge(struct run *run)
+{
+	judge_crossing(run);
+	judge_inertia(run);
 }
 
 int report_write(struct run *run, const char *state)

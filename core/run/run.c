@@ -199,6 +199,25 @@ static int run_open(struct run *run)
 	return report_write(run, "running");
 }
 
+/* What this run may do wrong without being stopped. */
+static void announce_guards(struct run *run)
+{
+	const struct scene_guards *g = &run->scene->guards;
+	const struct {
+		const char *name;
+		bool on;
+	} guards[] = {{"energy_residual", g->energy_residual > 0.0},
+				  {"energy_created", g->energy_created > 0.0},
+				  {"time_step", g->time_step},
+				  {"thermal_step", g->thermal_step},
+				  {"dem_step", g->dem_step},
+				  {"numerical_fracture", g->numerical_fracture}};
+	for (size_t k = 0; k < sizeof guards / sizeof *guards; k++)
+		if (!guards[k].on)
+			log_warning(&run->log, "guards.%s is off: nothing stops this run where its results become wrong",
+						guards[k].name);
+}
+
 static void run_announce(struct run *run)
 {
 	const struct run_options *options = run->options;
@@ -215,6 +234,7 @@ static void run_announce(struct run *run)
 			"thermal.time_scale: heat conduction, fluxes and convection run %g times faster than the mechanics and "
 			"the clock; friction heat does not",
 			run->scene->thermal.time_scale);
+	announce_guards(run);
 	run_counts(run, &counts);
 	run->first_disc_steps = counts.disc_steps;
 }
@@ -276,6 +296,7 @@ static int run_finish(struct run *run, int status)
 	if (status != STATUS_OK)
 		error_set(status, "%s", message); /* the reason that run.json gives */
 	if (run->log.file && run->loop_start > 0) {
+		report_judge(run);
 		int reported = report_write(run, run_state(status));
 		if (status == STATUS_OK && reported != STATUS_OK)
 			status = reported, snprintf(message, sizeof message, "%s", error_message());

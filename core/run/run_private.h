@@ -120,6 +120,9 @@ void run_counts(const struct run *run, struct law_counts *counts);
 /* run.json; `state` is "running", "done", "interrupted", "guard" or "failed". */
 int report_write(struct run *run, const char *state);
 
+/* Warns of what no guard stops but makes results worse: cells crossed with the linear shape, RVEs driven too fast. */
+void report_judge(struct run *run);
+
 /* The table of times, and what was written. */
 void report_print(struct run *run);
 

@@ -24,6 +24,7 @@ void rve_params_from_scene(struct rve_params *params, const struct scene_law_rve
 	params->gas = law->gas;
 	params->gas_pressure = law->gas_pressure;
 	params->gas_stretch = law->gas_stretch;
+	params->step_guard = law->step_guard;
 	params->overlap_max = law->overlap_max;
 	params->bond_strength = law->bonds.strength;
 	params->bond_mu = law->bonds.mu;

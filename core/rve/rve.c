@@ -36,7 +36,27 @@ void rve_params_default(struct rve_params *params)
 								  .bond_mu = 0.5,
 								  .bond_melting = INFINITY,
 								  .bond_reference = NAN,
+								  .step_guard = 1,
 								  .overlap_max = 0.5};
+}
+
+double rve_step_factor_limit(const struct rve_params *params)
+{
+	double zeta = params->damping_ratio;
+	double rolling = 0.5 * sqrt(params->kn / fmax(params->ks, 1e-12 * params->kn));
+	return fmin(rolling, 0.62 * (sqrt(1.0 + zeta * zeta) - zeta));
+}
+
+int rve_params_check(const struct rve_params *params)
+{
+	double limit = rve_step_factor_limit(params);
+	if (!params->step_guard || params->step_factor <= limit)
+		return STATUS_OK;
+	return error_set(
+		STATUS_INPUT,
+		"step_factor = %g is above %.3g, the largest that is safe with ks/kn = %g and a damping_ratio of %g; "
+		"cure: step_factor = %.2g or less",
+		params->step_factor, limit, params->ks / params->kn, params->damping_ratio, limit);
 }
 
 /* ---- the model ---- */
@@ -223,6 +243,8 @@ static int model_fill(struct rve_model *model, const struct rve_params *params, 
 int rve_model_create(struct rve_model **model, const struct rve_params *params, int n,
 					 const struct rve_packing *const *packings)
 {
+	*model = NULL;
+	CHECK(rve_params_check(params));
 	*model = calloc(1, sizeof **model);
 	if (!*model)
 		return error_set(STATUS_RESOURCE, "out of memory for the RVE model");
@@ -296,17 +318,30 @@ enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state,
 }
 
 struct rve_outcome {
-	enum { OUTCOME_OK, OUTCOME_RATE, OUTCOME_STRAIN, OUTCOME_OVERLAP, OUTCOME_NAN, OUTCOME_CROWDED } kind;
+	enum {
+		OUTCOME_OK,
+		OUTCOME_RATE,
+		OUTCOME_STRAIN,
+		OUTCOME_OVERLAP,
+		OUTCOME_NAN,
+		OUTCOME_CROWDED,
+		OUTCOME_JITTER
+	} kind;
 	double value;
 };
 
 static double pressure_of(const struct rve_head *head) { return -0.5 * (head->stress[0] + head->stress[1]); }
 
-/* Does the cell carry nothing worth the name?  Where bonds pull, a pressure of zero or less does not say so. */
+/* What the discs press each other with, Pa.  Where bonds pull, a pressure of zero or less does not say it. */
+static double stress_scale(const struct rve_head *head)
+{
+	return head->bonds_intact > 0 ? fmax(fmax(fabs(head->stress[0]), fabs(head->stress[1])), fabs(head->stress[3]))
+								  : pressure_of(head);
+}
+
 static int stressless(const struct rve_model *model, const struct rve_head *head)
 {
-	double most = fmax(fmax(fabs(head->stress[0]), fabs(head->stress[1])), fabs(head->stress[3]));
-	return (head->bonds_intact > 0 ? most : pressure_of(head)) < model->params.gas_pressure;
+	return stress_scale(head) < model->params.gas_pressure;
 }
 
 static double stored_energy(const struct rve_head *head)
@@ -325,7 +360,7 @@ static int choose_sub_steps(const struct rve_params *params, struct rve_head *he
 {
 	double limit = params->strain_per_step;
 	if (params->pressure_scaling)
-		limit *= fmax(0.1, fmin(1.0, sqrt(fmax(pressure_of(head), 0.0) / 100e3)));
+		limit *= fmax(0.1, fmin(1.0, sqrt(fmax(stress_scale(head), 0.0) / 100e3)));
 	double wanted = fmax(1.0, fmin(ceil(strain / limit), 1e9));
 	if (params->n_max > 0 && wanted > params->n_max) {
 		head->clamped++;
@@ -339,7 +374,7 @@ static void count_inertia(const struct rve_model *model, struct rve_head *head, 
 	static const double bounds[RVE_INERTIA_BINS - 1] = {1e-6, 3.1622776601683795e-6, 1e-5, 3.1622776601683795e-5,
 														1e-4, 3.1622776601683795e-4, 1e-3, 3.1622776601683795e-3,
 														1e-2, 3.1622776601683795e-2, 1e-1};
-	double pressure = fmax(pressure_of(head), 1.0); /* Pa; a cell without stress counts as 1 Pa */
+	double pressure = fmax(stress_scale(head), 1.0); /* Pa; a cell without stress counts as 1 Pa */
 	head->inertial_number =
 		strain_per_step / model->constants.dt * model->diameter * sqrt(model->params.grain_density / pressure);
 	int bin = 0;
@@ -463,6 +498,11 @@ static int nearly_slender(const struct rve_model *model, const struct rve_head *
 	return mat2_determinant(H) / longest < 3.0 * reach * exp(2.0 * strain);
 }
 
+/* The kinetic energy is centred between two half steps, sum m v_before v_after / 2: where it is negative the discs turn
+ * about in every step, which only an unstable step does.  At this share of the elastic energy the pressure is still
+ * right within 1e-3; a collision as a whole, with all motion in one phase, stays below it by w^2 dt^2/4. */
+static const double jitter_most = 3e-3;
+
 static struct rve_outcome check_state(const struct rve_model *model, const struct rve_head *head)
 {
 	double sum = head->stress[0] + head->stress[1] + head->stress[3];
@@ -470,6 +510,9 @@ static struct rve_outcome check_state(const struct rve_model *model, const struc
 		return (struct rve_outcome){OUTCOME_NAN, sum};
 	if (head->max_overlap > model->params.overlap_max)
 		return (struct rve_outcome){OUTCOME_OVERLAP, head->max_overlap};
+	double kinetic = head->ledger[LEDGER_KINETIC], elastic = head->ledger[LEDGER_ELASTIC];
+	if (model->params.step_guard && kinetic < -jitter_most * elastic)
+		return (struct rve_outcome){OUTCOME_JITTER, -kinetic / elastic};
 	return (struct rve_outcome){OUTCOME_OK, 0.0};
 }
 
@@ -555,6 +598,12 @@ static int report_failure(const struct rve_params *params, int k, struct rve_out
 						 "RVE %d: strained by %.3g in one step, at most 1 makes sense: the motion around it has become "
 						 "unstable; a smaller time step helps",
 						 k, outcome.value);
+	case OUTCOME_JITTER:
+		return error_set(
+			STATUS_GUARD,
+			"RVE %d: its discs turn about in every DEM step (kinetic energy between the steps -%.2g of the "
+			"elastic energy): the step is unstable; a smaller step_factor (now %g) helps",
+			k, outcome.value, params->step_factor);
 	case OUTCOME_CROWDED:
 		return error_set(
 			STATUS_GUARD,

@@ -31,11 +31,20 @@ struct rve_params {
 	double bond_mu;         /* mu_b: and mu_b times that in shear */
 	double bond_melting;    /* T_c, K: above it every bond breaks; INFINITY = never */
 	double bond_reference;  /* K: beta falls linearly from beta_s here to 0 at T_c; NAN: it is beta_s up to T_c */
+	int step_guard;         /* guard: a step above its limit is refused, and discs that jitter in it stop the run; 1 */
 	double overlap_max;     /* guard: largest overlap / smaller radius; at 0.5 a small disc is half-way to being passed through */
 };
 
 /* TM-DEMPM table 1 and the decisions of the design. */
 void rve_params_default(struct rve_params *params);
+
+/* The largest step_factor that is safe for these stiffnesses and this damping: below what was measured by walking past
+ * it in dense packings (tests/stability/test_rve_step.c).  The stiffest motion is the rolling of the smallest disc on
+ * the tangential springs, 0.56 sqrt(kn/ks), or a damped push along the normals, 0.7 (sqrt(1 + zeta^2) - zeta). */
+double rve_step_factor_limit(const struct rve_params *params);
+
+/* STATUS_INPUT if the step is above that limit and the guard is on. */
+int rve_params_check(const struct rve_params *params);
 
 /* A model from n packings of equal disc count (variants).  Copies what it needs. */
 int rve_model_create(struct rve_model **model, const struct rve_params *params, int n, const struct rve_packing *const *packings);

@@ -64,6 +64,32 @@ static void check_time(struct loader *loader)
 				   1.0 / time->step);
 }
 
+/* ---- the schemes ---- */
+
+/* What is said of a scheme that is not used would do nothing. */
+static void check_transfer(struct loader *loader)
+{
+	const struct scene_mpm *mpm = &loader->scene->mpm;
+	bool filters = mpm->transfer == MPM_XPIC || mpm->transfer == MPM_FMPM;
+	const char *name = mpm_transfer_names[mpm->transfer];
+	if (!filters && mpm->xpic_order != 2)
+		problem_of(loader, "mpm.xpic_order", "is %d, but transfer is \"%s\", expected transfer = \"xpic\" or \"fmpm\"",
+				   mpm->xpic_order, name);
+	if (!filters && mpm->xpic_every != 1)
+		problem_of(loader, "mpm.xpic_every", "is %d, but transfer is \"%s\", expected transfer = \"xpic\" or \"fmpm\"",
+				   mpm->xpic_every, name);
+	/* in a bar at rest it grows from noise, in windows of the step down to 0.3 of the limit */
+	if (mpm->transfer == MPM_FMPM && mpm->xpic_every > 1 && mpm->order != MPM_USL)
+		problem_of(
+			loader, "mpm.xpic_every",
+			"is %d, but FMPM in some steps only is unstable with order = \"%s\", expected 1, transfer = \"xpic\", or "
+			"order = \"usl\"",
+			mpm->xpic_every, mpm_order_names[mpm->order]);
+	if (mpm->pic_fraction > 0.0 && (mpm->transfer == MPM_APIC || (filters && mpm->xpic_every == 1)))
+		problem_of(loader, "mpm.pic_fraction", "is %g, but with transfer = \"%s\" no step is FLIP, expected 0%s",
+				   mpm->pic_fraction, name, filters ? ", or xpic_every > 1" : "");
+}
+
 /* ---- names ---- */
 
 static void check_unique(struct loader *loader, const char *list)
@@ -193,7 +219,7 @@ static void check_step(struct loader *loader, const struct scene_material *mater
 		density = law->rve.grain_density; /* the bulk is lighter: what is over this limit is over the true one */
 	if (law->type == SCENE_LAW_THERMOELASTIC) {
 		double limit = scene->time.step_factor * h * sqrt(density / p_wave_modulus(&law->thermoelastic));
-		if (step > limit)
+		if (scene->guards.time_step && step > limit)
 			problem_of(loader, "time.step",
 					   "is %g s, over the limit of material '%s', expected at most %.4g s = %g cell sqrt(density / M)",
 					   step, material->name, limit, scene->time.step_factor);
@@ -202,7 +228,7 @@ static void check_step(struct loader *loader, const struct scene_material *mater
 	double capacity = fmin(material->heat_capacity, material->heat_capacity_frozen);
 	double thermal_limit =
 		density * capacity * h * h / (2.0 * fmax(material->conductivity, material->conductivity_frozen));
-	if (scene->thermal.on && thermal_step > thermal_limit)
+	if (scene->thermal.on && scene->guards.thermal_step && thermal_step > thermal_limit)
 		problem_of(loader, scene->time.thermal_every > 1 ? "time.thermal_every" : "time.step",
 				   "makes thermal steps of %g s, over the limit of material '%s', expected at most %.4g s = density "
 				   "heat_capacity "
@@ -282,7 +308,7 @@ static bool check_polygon(struct loader *loader, const char *path, int n, const 
 
 static const char *shape_key(const struct loader *loader, const char *list, int k)
 {
-	static const char *const shapes[] = {"polygon", "box", "wedge", "line"};
+	static const char *const shapes[] = {"polygon", "box", "wedge", "line", "disc", "ring"};
 	const struct node *elements = node_find(loader->root, list);
 	for (size_t s = 0; s < sizeof shapes / sizeof *shapes; s++)
 		if (node_find(elements->children[k], shapes[s]))
@@ -364,8 +390,7 @@ static void check_apart(struct loader *loader, int k)
 		const struct scene_body *other = &scene->bodies[j];
 		for (int i = 0; loader->n_points[j] > 0 && i < loader->n_points[k]; i++) {
 			const double *p = loader->points[k][i];
-			if (polygon_contains(other->n_vertices, (const double(*)[2])other->vertices, p,
-								 TOUCHING * scene->grid.cell)) {
+			if (scene_body_contains(other, p, TOUCHING * scene->grid.cell)) {
 				char path[PATH_LENGTH];
 				problem_of(loader, path_to(path, "bodies", k, shape_key(loader, "bodies", k)),
 						   "overlaps body '%s', for instance at (%g, %g), expected bodies beside each other",
@@ -373,6 +398,38 @@ static void check_apart(struct loader *loader, int k)
 				break;
 			}
 		}
+	}
+}
+
+/* A body that follows a motion lies in its domain, and is of a law whose stress has a derivative. */
+static void check_motion(struct loader *loader, int k)
+{
+	const struct scene *scene = loader->scene;
+	const struct scene_body *body = &scene->bodies[k];
+	const struct scene_motion *motion = &body->motion;
+	char path[PATH_LENGTH];
+	struct exact_motion start;
+	if (!motion->solution || !clean_element(loader, "bodies", k))
+		return;
+	for (int i = 0; i < loader->n_points[k]; i++)
+		if (!motion->solution->motion(motion->parameters, loader->points[k][i], 0.0, &start)) {
+			problem_of(loader, path_to(path, "bodies", k, "motion"),
+					   "is not defined at (%g, %g), expected a body inside of it (`tmdempm exact %s`)",
+					   loader->points[k][i][0], loader->points[k][i][1], motion->solution->name);
+			return;
+		}
+	for (int j = -1; motion->force && j < body->n_layers; j++) {
+		int material = j < 0 ? body->material : body->layers[j].material, law = scene->materials[material].law;
+		if (law < 0)
+			continue;
+		if (scene->laws[law].type != SCENE_LAW_THERMOELASTIC)
+			problem_of(loader, path_to(path, "bodies", k, "motion"),
+					   "is imposed on law '%s', expected one of type \"thermoelastic\", or force = false",
+					   scene->laws[law].name);
+		else if (scene->thermal.on && scene->laws[law].thermoelastic.expansion != 0.0)
+			problem_of(loader, path_to(path, "bodies", k, "motion"),
+					   "is imposed on law '%s', which expands with heat, expected expansion = 0, or no heat",
+					   scene->laws[law].name);
 	}
 }
 
@@ -394,7 +451,8 @@ static void check_bodies(struct loader *loader)
 		check_gradient(loader, k);
 		path_to(path, "bodies", k, shape_key(loader, "bodies", k));
 		if (!*shape_key(loader, "bodies", k)) {
-			problem_of(loader, path, "has no shape, expected box = [...] or polygon = (...)");
+			problem_of(loader, path,
+					   "has no shape, expected box = [...], polygon = (...), disc = [...] or ring = [...]");
 		} else if (loader_clean(loader, "grid") &&
 				   check_polygon(loader, path, body->n_vertices, (const double(*)[2])body->vertices)) {
 			check_in_grid(loader, path, body);
@@ -402,6 +460,7 @@ static void check_bodies(struct loader *loader)
 				continue;
 			fill_body(loader, k);
 			check_apart(loader, k);
+			check_motion(loader, k);
 		}
 	}
 }
@@ -660,12 +719,9 @@ static bool in_grid(const struct scene_grid *grid, const double at[2])
 
 static bool in_a_body(const struct scene *scene, const double at[2])
 {
-	for (int b = 0; b < scene->n_bodies; b++) {
-		const double(*v)[2] = (const double(*)[2])scene->bodies[b].vertices;
-		if (polygon_contains(scene->bodies[b].n_vertices, v, at, 0.0) ||
-			polygon_distance(scene->bodies[b].n_vertices, v, at) <= TOUCHING * scene->grid.cell)
+	for (int b = 0; b < scene->n_bodies; b++)
+		if (scene_body_contains(&scene->bodies[b], at, -TOUCHING * scene->grid.cell))
 			return true;
-	}
 	return false;
 }
 
@@ -829,6 +885,8 @@ void check_scene(struct loader *loader)
 		check_grid(loader);
 	if (loader_clean(loader, "time"))
 		check_time(loader);
+	if (loader_clean(loader, "mpm"))
+		check_transfer(loader);
 	check_laws(loader);
 	check_materials(loader);
 	check_stages(loader);

@@ -2,10 +2,12 @@
 #include "scene/custom.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/error.h"
 #include "scene/geometry.h"
 #include "scene/private.h"
 
@@ -198,6 +200,37 @@ void read_body_shape(struct loader *loader, const struct scene_key *key, struct 
 	body->n_vertices = read_polygon(loader, key, node, &body->vertices, path);
 }
 
+/* Corners for what only needs an outline: a multiple of four, so that the extent is exact. */
+enum { CIRCLE_CORNERS = 64 };
+
+void read_body_circle(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					  const char *path)
+{
+	struct scene_body *body = target;
+	bool ring = !strcmp(key->name, "ring");
+	double v[4] = {0.0};
+	if (body->n_vertices)
+		problem_at(loader, node->place, path, "is a second shape of this body, expected one");
+	if (!read_numbers(loader, key, node, ring ? 4 : 3, v, path))
+		return;
+	double outer = ring ? v[3] : v[2], inner = ring ? v[2] : 0.0;
+	if (ring && !(inner > 0.0 && outer > inner)) {
+		problem_at(loader, node->place, path, "has radii %g and %g, expected %s", inner, outer, key->expected);
+		return;
+	}
+	if (!(outer > 0.0)) {
+		problem_at(loader, node->place, path, "has radius %g, expected %s", outer, key->expected);
+		return;
+	}
+	body->centre[0] = v[0], body->centre[1] = v[1], body->radius = outer, body->hole = inner;
+	body->n_vertices = CIRCLE_CORNERS;
+	body->vertices = scene_alloc(loader, CIRCLE_CORNERS * sizeof *body->vertices);
+	for (int k = 0; k < CIRCLE_CORNERS; k++) {
+		double angle = 2.0 * M_PI * k / CIRCLE_CORNERS;
+		body->vertices[k][0] = v[0] + outer * cos(angle), body->vertices[k][1] = v[1] + outer * sin(angle);
+	}
+}
+
 void read_wall_shape(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
 					 const char *path)
 {
@@ -228,7 +261,7 @@ void read_grid_follow(struct loader *loader, const struct scene_key *key, struct
 	grid->follows = grid->follow >= 0;
 }
 
-/* ---- stages ---- */
+/* ---- motions ---- */
 
 static bool is_string_list(struct loader *loader, const struct scene_key *key, const struct node *node,
 						   const char *path)
@@ -241,6 +274,41 @@ static bool is_string_list(struct loader *loader, const struct scene_key *key, c
 				   node->type == NODE_STRING ? "a single string" : "no such list", key->expected);
 	return good;
 }
+
+void read_motion_solution(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+						  const char *path)
+{
+	struct scene_motion *motion = target;
+	char known[256] = "";
+	if (!is_string(loader, key, node, path))
+		return;
+	const struct exact_solution *solution = exact_find(node->string);
+	for (int s = 0; exact_solutions[s]; s++)
+		if (exact_solutions[s]->motion)
+			snprintf(known + strlen(known), sizeof known - strlen(known), "%s%s", *known ? ", " : "",
+					 exact_solutions[s]->name);
+	if (!solution || !solution->motion) {
+		problem_at(loader, node->place, path, "is \"%s\", expected one of %s", node->string, known);
+		return;
+	}
+	motion->solution = solution;
+	exact_defaults(solution, motion->parameters);
+}
+
+void read_motion_parameters(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+							const char *path)
+{
+	struct scene_motion *motion = target;
+	if (!is_string_list(loader, key, node, path))
+		return;
+	if (!motion->solution && loader_clean(loader, "%.*s", (int)(strrchr(path, '.') - path), path))
+		problem_at(loader, node->place, path, "are given without a solution, expected one");
+	for (int k = 0; motion->solution && k < node->n; k++)
+		if (exact_set(motion->solution, motion->parameters, node->children[k]->string) != STATUS_OK)
+			problem_at(loader, node->children[k]->place, path, "has %s", error_message());
+}
+
+/* ---- stages ---- */
 
 void read_stage_walls(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
 					  const char *path)

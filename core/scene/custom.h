@@ -12,6 +12,9 @@ READER(read_packing_file);
 READER(read_material_law);
 READER(read_material_name);
 READER(read_body_shape);
+READER(read_body_circle);
+READER(read_motion_solution);
+READER(read_motion_parameters);
 READER(read_wall_shape);
 READER(read_series);             /* a struct scene_series at key->offset */
 READER(read_temperature_series); /* the same, from the scene's unit to K */

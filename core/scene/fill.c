@@ -16,6 +16,18 @@ double scene_body_spacing(const struct scene *scene, const struct scene_body *bo
 	return scene->grid.cell / sqrt((double)body->points_per_cell);
 }
 
+bool scene_body_contains(const struct scene_body *body, const double x[2], double tolerance)
+{
+	const double(*v)[2] = (const double(*)[2])body->vertices;
+	if (body->radius > 0.0) {
+		double distance = hypot(x[0] - body->centre[0], x[1] - body->centre[1]);
+		return distance < body->radius - tolerance && (body->hole == 0.0 || distance > body->hole + tolerance);
+	}
+	if (tolerance < 0.0 && polygon_distance(body->n_vertices, v, x) <= -tolerance)
+		return true;
+	return polygon_contains(body->n_vertices, v, x, fmax(tolerance, 0.0));
+}
+
 /* The indices i of lattice coordinates origin + (i + 1/2) s that can lie in the body's extent along `axis`. */
 static void lattice_range(const struct scene_body *body, int axis, double origin, double s, double *first, double *last)
 {
@@ -45,7 +57,7 @@ int scene_body_points(const struct scene *scene, const struct scene_body *body, 
 	for (int j = 0; j < (int)rows; j++)
 		for (int i = 0; i < (int)columns; i++) {
 			double p[2] = {origin[0] + (first[0] + i + 0.5) * s, origin[1] + (first[1] + j + 0.5) * s};
-			if (!polygon_contains(body->n_vertices, (const double(*)[2])body->vertices, p, ON_EDGE * s))
+			if (!scene_body_contains(body, p, ON_EDGE * s))
 				continue;
 			if (count == capacity) {
 				capacity = capacity ? 2 * capacity : 1024;

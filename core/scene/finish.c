@@ -104,7 +104,7 @@ void finish_scene(struct loader *loader)
 	if (!thermal || !node_find(thermal, "on"))
 		scene->thermal.on = needs_heat(scene);
 	for (int k = 0; k < scene->n_laws; k++)
-		finish_rve(&scene->laws[k].rve);
+		finish_rve(&scene->laws[k].rve), scene->laws[k].rve.step_guard = scene->guards.dem_step;
 	if (scene->n_materials)
 		finish_materials(scene, node_find(loader->root, "materials"));
 	if (scene->n_bodies)

@@ -55,12 +55,16 @@ static const struct scene_key time_keys[] = {
 static const struct scene_key mpm_keys[] = {
 	{.name = "shape", .type = KEY_CHOICE, AT(scene_mpm, shape), .value = "\"ugimp\"", CHOICES("ugimp", "linear"),
 	 .doc = "shape functions"},
-	{.name = "transfer", .type = KEY_CHOICE, AT(scene_mpm, transfer), .value = "\"flip\"", CHOICES("flip"),
-	 .doc = "how velocities go from the nodes to the points"},
-	{.name = "order", .type = KEY_CHOICE, AT(scene_mpm, order), .value = "\"usl\"", CHOICES("usl"),
-	 .doc = "when stresses are updated: usl = last in the step"},
+	{.name = "transfer", .type = KEY_ENUM, AT(scene_mpm, transfer), .value = "\"flip\"", .choices = mpm_transfer_names,
+	 .doc = "how velocities go from the nodes to the points; tmdempm info says how"},
+	{.name = "xpic_order", .type = KEY_INT, AT(scene_mpm, xpic_order), .value = "2", .range = RANGE_WITHIN, .min = 1, .max = 100,
+	 .doc = "m of XPIC(m) and FMPM(m); 1 is PIC, each order more costs one pass over the points"},
+	{.name = "xpic_every", .type = KEY_INT, AT(scene_mpm, xpic_every), .value = "1", .range = RANGE_WITHIN, .min = 1, .max = 1000000,
+	 .doc = "they act in one step of so many, the others are FLIP"},
+	{.name = "order", .type = KEY_ENUM, AT(scene_mpm, order), .value = "\"usl\"", .choices = mpm_order_names,
+	 .doc = "when stresses are updated: usl = last in the step, usf = first, musl = last, from the points' new velocities"},
 	{.name = "pic_fraction", .type = KEY_FLOAT, AT(scene_mpm, pic_fraction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
-	 .doc = "share of PIC in each step's velocity update; smooths like a viscosity of about 0.19 pic_fraction cell^2 / step"},
+	 .doc = "share of PIC in the velocity update of each FLIP step; smooths like a viscosity of about 0.19 pic_fraction cell^2 / step"},
 	{.name = "damping_particle", .type = KEY_FLOAT, AT(scene_mpm, damping_particle), .unit = "1/s", .value = "0.0",
 	 .range = RANGE_NOT_NEGATIVE, .doc = "damping rate of the points' velocity"},
 	{.name = "damping_grid", .type = KEY_FLOAT, AT(scene_mpm, damping_grid), .unit = "1/s", .value = "0.0",
@@ -158,7 +162,7 @@ static const struct scene_key rve_keys[] = {
 	{.name = "resistance", .type = KEY_FLOAT, AT(scene_law, rve.resistance), .unit = "K/(W m)", .value = "1e4", .range = RANGE_POSITIVE,
 	 .doc = "thermal resistance of a contact per length of its branch"},
 	{.name = "step_factor", .type = KEY_FLOAT, AT(scene_law, rve.step_factor), .value = "0.4", .range = RANGE_WITHIN, .min = 0.001,
-	 .max = 0.6, .doc = "DEM step / sqrt(smallest mass / kn); unstable above 0.57 to 0.62"},
+	 .max = 2.0, .doc = "DEM step / sqrt(smallest mass / kn); unstable above 0.57 with ks = kn and damping_ratio 0.2, above less if either is larger"},
 	{.name = "strain_per_step", .type = KEY_FLOAT, AT(scene_law, rve.strain_per_step), .value = "5e-5", .range = RANGE_WITHIN, .min = 1e-9,
 	 .max = 0.01, .doc = "largest strain in one DEM step at 100 kPa: 5e-5 good, 2e-4 economy, 1e-6 with n_max = 0 reference"},
 	{.name = "pressure_scaling", .type = KEY_BOOL, AT(scene_law, rve.pressure_scaling), .value = "true",
@@ -213,6 +217,15 @@ static const struct scene_key layer_keys[] = {
 	 .doc = "at the start"},
 	END};
 
+static const struct scene_key motion_keys[] = {
+	{.name = "solution", .type = KEY_CUSTOM, .absent = "no motion", .text = true, .read = read_motion_solution,
+	 .expected = "a solution of `tmdempm exact` that is a motion", .doc = "one of the motions of `tmdempm exact`; X is the place in the scene"},
+	{.name = "parameters", .type = KEY_CUSTOM, .absent = "its defaults", .read = read_motion_parameters,
+	 .expected = "a list of \"name=value\"", .doc = "of the solution, as (\"amplitude=0.01\", ...)"},
+	{.name = "force", .type = KEY_BOOL, AT(scene_motion, force), .value = "true",
+	 .doc = "a body force keeps the body on the motion; false: it is born with it, then free"},
+	END};
+
 static const struct scene_key body_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_body, name), .required = true, .doc = "of the body"},
 	{.name = "material", .type = KEY_CUSTOM, AT(scene_body, material), .required = true, .text = true, .read = read_material_name,
@@ -221,6 +234,10 @@ static const struct scene_key body_keys[] = {
 	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "the region, as [xmin, ymin, xmax, ymax]"},
 	{.name = "polygon", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_body_shape,
 	 .expected = "([x, y], [x, y], [x, y], ...)", .doc = "the region, as its corners ([x, y], ...) in order"},
+	{.name = "disc", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_body_circle,
+	 .expected = "[x, y, radius] with radius > 0", .doc = "the region, as [x, y, radius]"},
+	{.name = "ring", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_body_circle,
+	 .expected = "[x, y, inner, outer] with 0 < inner < outer", .doc = "the region between two circles, as [x, y, inner radius, outer radius]"},
 	{.name = "lattice_origin", .type = KEY_FLOATS, AT(scene_body, lattice_origin), .count = 2, .unit = "m", .absent = "the grid's origin",
 	 .doc = "points sit strictly inside the region at lattice_origin + (i + 1/2, j + 1/2) spacing"},
 	{.name = "points_per_cell", .type = KEY_INT, AT(scene_body, points_per_cell), .value = "4", .range = RANGE_WITHIN, .min = 1, .max = 16,
@@ -232,6 +249,8 @@ static const struct scene_key body_keys[] = {
 	 .absent = "the lower left corner of the box around the body", .doc = "where those temperatures hold"},
 	{.name = "velocity", .type = KEY_FLOATS, AT(scene_body, velocity), .count = 2, .unit = "m/s", .value = "[0.0, 0.0]",
 	 .doc = "at the start"},
+	{.name = "motion", .type = KEY_GROUP, AT(scene_body, motion), KEYS(motion_keys), .absent = "none",
+	 .doc = "an exact motion that the body is born with and follows, for verification"},
 	{.name = "variants", .type = KEY_INT, AT(scene_body, variants), .value = "1", .range = RANGE_WITHIN, .min = 1, .max = 1000,
 	 .doc = "number of packings (seed, seed + 1, ...) dealt out to the points in turn"},
 	{.name = "layers", LIST(scene_body, layers, n_layers), KEYS(layer_keys), .absent = "one material",
@@ -384,6 +403,16 @@ static const struct scene_key guards_keys[] = {
 	 .doc = "share of the work done that may go astray before the run is stopped; 0 = off"},
 	{.name = "points_leaving", .type = KEY_BOOL, AT(scene_guards, points_leaving), .value = "true",
 	 .doc = "a point that leaves the grid stops the run"},
+	{.name = "energy_created", .type = KEY_FLOAT, AT(scene_guards, energy_created), .value = "0.25", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "share of the work done that the time integration may make of nothing before the run is stopped; 0 = off"},
+	{.name = "time_step", .type = KEY_BOOL, AT(scene_guards, time_step), .value = "true",
+	 .doc = "a step above the mechanical limit stops the run; false: for studies of stability only"},
+	{.name = "thermal_step", .type = KEY_BOOL, AT(scene_guards, thermal_step), .value = "true",
+	 .doc = "a step above the limit of heat conduction stops the run; false: for studies of stability only"},
+	{.name = "dem_step", .type = KEY_BOOL, AT(scene_guards, dem_step), .value = "true",
+	 .doc = "a DEM step above its limit is refused, an RVE whose discs jitter stops the run; false: for studies of stability only"},
+	{.name = "numerical_fracture", .type = KEY_BOOL, AT(scene_guards, numerical_fracture), .value = "true",
+	 .doc = "neighbours of an elastic body that share no node of the grid any more stop the run; false: for studies of stability only"},
 	END};
 
 /* ---- the whole ---- */

@@ -12,6 +12,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "exact/exact.h"
+#include "mpm/scheme.h"
+
 enum { SCENE_NAME = 64, SCENE_PATH = 1024 };
 
 /* Where in which file a thing was said, for messages that can only be given later. */
@@ -49,10 +52,12 @@ struct scene_time {
 };
 
 struct scene_mpm {
-	char shape[SCENE_NAME];    /* "ugimp" (default), "linear": names of the table shapes[] */
-	char transfer[SCENE_NAME]; /* "flip" (default) */
-	char order[SCENE_NAME];    /* "usl" (default) */
-	double pic_fraction;       /* alpha_PIC, fraction per step, eqs. 25-27; default 0 */
+	char shape[SCENE_NAME]; /* "ugimp" (default), "linear": names of the table shapes[] */
+	enum mpm_transfer transfer;
+	enum mpm_order order;
+	int xpic_order;            /* m of XPIC(m), FMPM(m); default 2 */
+	int xpic_every;            /* they act in every k-th step, the others are plain FLIP; default 1 */
+	double pic_fraction;       /* alpha_PIC, fraction per step, eqs. 25-27, of the steps that are FLIP; default 0 */
 	double damping_particle;   /* alpha_p, 1/s; default 0 */
 	double damping_grid;       /* alpha_g, 1/s; default 0 */
 	double confining_pressure; /* Pa; sigma + p_c I in the internal force (methods-mpm); default 0 */
@@ -116,6 +121,7 @@ struct scene_law_rve {
 	double gas_pressure;    /* 20 Pa */
 	double gas_stretch;     /* 1.12 */
 	double overlap_max;     /* guard: overlap / smaller radius; 0.5 */
+	bool step_guard;        /* guards.dem_step */
 };
 
 struct scene_law {
@@ -148,17 +154,27 @@ struct scene_layer {
 	double temperature; /* K */
 };
 
+/* A motion of the table of exact solutions (exact/exact.h) that a body is born with and, by a body force, follows. */
+struct scene_motion {
+	const struct exact_solution *solution;   /* one with motion(); NULL = none */
+	double parameters[EXACT_PARAMETERS_MAX]; /* its defaults and what was said */
+	bool force;                              /* default true; false: born with the motion, then free */
+};
+
 struct scene_body {
 	char name[SCENE_NAME];
 	int material;
-	int n_vertices;           /* a box is given as its 4 vertices */
+	int n_vertices;           /* a box is given as its 4 vertices, a circle as corners on it */
 	double (*vertices)[2];    /* m, counter-clockwise after loading */
+	double centre[2];         /* m, of a disc or ring */
+	double radius, hole;      /* m; radius 0 = a polygon; hole 0 = a disc */
 	double lattice_origin[2]; /* m; NAN = the grid's origin: points sit at (i + 1/2) cell/side from here */
 	int points_per_cell;      /* 1, 4, 9, 16 */
 	double temperature;       /* K */
 	double temperature_gradient[2]; /* K/m, added to the temperatures of the body and its layers; 0 */
 	double temperature_at[2];       /* m, where those hold */
-	double velocity[2];       /* m/s */
+	double velocity[2];       /* m/s; without a motion */
+	struct scene_motion motion;
 	int variants;             /* packings with seeds seed .. seed+n-1 dealt out in turn; 1 */
 	int n_layers;
 	struct scene_layer *layers; /* empty: one material */
@@ -279,7 +295,11 @@ struct scene_image {
 
 struct scene_guards {
 	double energy_residual; /* share of the work done that the residual may reach; 0 = off; default 0.1 */
+	double energy_created;  /* share of the work done that the time integration may make of nothing; 0 = off; default 0.25 */
 	bool points_leaving;    /* true: a point leaving the grid stops the run */
+	bool time_step, thermal_step; /* true: steps above the limits of mechanics and heat conduction stop the run */
+	bool dem_step;          /* true: a DEM step above its limit is refused, an RVE whose discs jitter stops the run */
+	bool numerical_fracture; /* true: neighbours of an elastic body that share no node any more stop the run */
 };
 
 struct scene {
@@ -324,7 +344,11 @@ double scene_grid_face(const struct scene *scene, int c);
 /* Distance between a body's lattice points, m: cell / sqrt(points_per_cell). */
 double scene_body_spacing(const struct scene *scene, const struct scene_body *body);
 
-/* The points of a body: places origin + (i + 1/2, j + 1/2) spacing that lie strictly inside its polygon
+/* Is x inside of the body and further than `tolerance` (m) from its outline, or, if that is negative, at most so far
+ * outside? */
+bool scene_body_contains(const struct scene_body *body, const double x[2], double tolerance);
+
+/* The points of a body: places origin + (i + 1/2, j + 1/2) spacing that lie strictly inside its outline
  * (a point on an edge, within 1e-6 of the spacing, does not count), row by row from the bottom, each row
  * from the left: the order of birth, which numbers the points' ids body after body.  The caller frees *x
  * (n entries, m; NULL if none).  STATUS_INPUT for an absurd count, STATUS_RESOURCE for lack of memory. */

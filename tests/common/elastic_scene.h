@@ -37,11 +37,11 @@ static inline struct scene *elastic_scene_init(struct elastic_scene *s, int cell
 	scene->time =
 		(struct scene_time){.end = 1.0, .step = step, .step_factor = 1.0, .thermal_steps = 1, .thermal_every = 1};
 	snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "ugimp");
-	snprintf(scene->mpm.transfer, sizeof scene->mpm.transfer, "flip");
-	snprintf(scene->mpm.order, sizeof scene->mpm.order, "usl");
+	scene->mpm.xpic_order = 2, scene->mpm.xpic_every = 1;
 	scene->thermal.friction_heat = true;
 	scene->thermal.time_scale = 1.0;
-	scene->guards.points_leaving = true;
+	scene->guards = (struct scene_guards){
+		.points_leaving = true, .time_step = true, .thermal_step = true, .numerical_fracture = true};
 	scene->laws = s->laws, scene->n_laws = 1;
 	scene->materials = s->materials, scene->n_materials = 1;
 	scene->bodies = s->bodies, scene->walls = s->walls, scene->boundaries = s->boundaries, scene->stages = s->stages;

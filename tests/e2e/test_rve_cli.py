@@ -4,6 +4,7 @@
 import csv
 import math
 import os
+import re
 import signal
 import subprocess
 import tempfile
@@ -197,6 +198,32 @@ class RveCommands(unittest.TestCase):
         self.assertEqual(contents("curve.csv"), contents("again.csv"))
         few = self.curve("--load", "path", "--path", "path.csv", "--rows", 3)
         self.assertEqual([few[1], few[3]], [rows[10], rows[30]])
+
+    def test_bonds_bear_and_melt(self):
+        arguments = ["load", "--packing", "P.h5", "--load", "isochoric", "--rate", 1, "--strain", 0.02, "--out", "bonded.csv"]
+
+        def bonded(*more):
+            done = rve(*arguments, *more)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            intact, installed = re.search("bonds: ([0-9]+) of ([0-9]+) intact", done.stdout).groups()
+            return int(intact), int(installed), read_curve("bonded.csv")
+
+        loose = self.curve(*arguments[3:-2])
+        intact, installed, strong = bonded("--bond-beta", 0.1)
+        self.assertGreater(intact, 0.5 * installed)
+        self.assertGreater(strong[-1]["stress_xx"] - strong[-1]["stress_yy"], 2 * (loose[-1]["stress_xx"] - loose[-1]["stress_yy"]))
+        self.assertGreater(bonded("--bond-beta", 0.1, "--bond-melting", 5, "--temperature", 4)[0], 0)
+        intact, installed, melted = bonded("--bond-beta", 0.1, "--bond-melting", 5, "--temperature", 6)
+        self.assertEqual(intact, 0)
+        warm = self.curve(*arguments[3:-2], "--temperature", 6)
+        self.assertAlmostEqual(melted[-1]["stress_yy"] / warm[-1]["stress_yy"], 1, delta=0.5)
+        self.assertEqual(bonded("--bond-beta", 0.1, "--mu-bond", 0)[0], 0)
+        put("plain.csv", "1e-4,0,0,0,0,0\n")
+        self.refused("plain.csv has no column that says when", "load", "--packing", "P.h5", "--load", "path", "--path", "plain.csv",
+                     "--out", "x.csv", "--bond-beta", 0.1)
+        put("short.csv", "1e-4,0,0,0,0\n")
+        self.refused("short.csv:1: 5 cells, expected duration,L11", "load", "--packing", "P.h5", "--load", "path", "--path",
+                     "short.csv", "--out", "x.csv")
 
     def test_a_packing_can_be_made_on_the_way(self):
         done = rve("load", "--discs", 100, "--pressure", "20e3", "--mu-pack", 0.3, "--seed", 2, "--load", "isochoric",

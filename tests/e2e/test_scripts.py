@@ -38,8 +38,10 @@ def scenes(f):
     for unknown in ("silo", "mine/silo_forced.cfg", "steel"):
         said, words = script(f, "scenarios/run", unknown, code=2)
         expect(not said and "'%s'" % unknown in words, words)
+    said, words = script(f, "scenarios/run", "rve_bonded", "--help")  # a script beside the scenes
+    expect(not said and "usage: rve_bonded" in words, words)
     said, words = script(f, "scenarios/run")
-    for name in ("silo_free", "silo_forced", "silo_forced_quick", "column_quick"):
+    for name in ("silo_free", "silo_forced", "silo_forced_quick", "column_quick", "rve_bonded               Nine biaxial"):
         expect(name in words and "steel" not in words and not said, words)
 
 

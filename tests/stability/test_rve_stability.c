@@ -24,6 +24,7 @@ static double unrest_after_a_knock(double dt)
 		r_min = fmin(r_min, packing->r[i]);
 	params.step_factor = dt / (r_min * sqrt(3.14159265358979324 * params.grain_density * params.thickness / params.kn));
 	params.n_max = 1;
+	params.step_guard = 0;
 	case_start(&c, &params, packing);
 	rve_packing_free(packing);
 	assert_near(rve_time_step(c.model) / dt, 1.0, 1e-9);

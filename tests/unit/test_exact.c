@@ -114,6 +114,103 @@ static void test_rod(void **state)
 	assert_near(at(&c, EXACT_STRESS_XX, 0.5, 0.0, 1e3), -0.5 * 1.33e7 * 1e-4 * 50.0, 1e-6);
 }
 
+/* Motions: velocity, acceleration, deformation gradient and its gradient are the derivatives of the displacement. */
+static void check_motion(const struct exact_solution *s, const double *p, const double X[2], double t)
+{
+	const double step[4] = {-2, -1, 1, 2}, weight[4] = {1.0 / 12, -2.0 / 3, 2.0 / 3, -1.0 / 12};
+	struct exact_motion m, near;
+	double scale = 2e-3, d[3] = {scale, scale, 2e-3 * t}, sum[3][8] = {{0.0}};
+	assert_true(s->motion(p, X, t, &m));
+	for (int along = 0; along < 3; along++)
+		for (int k = 0; k < 4; k++) {
+			double Y[2] = {X[0], X[1]}, time = t;
+			*(along < 2 ? &Y[along] : &time) += step[k] * d[along];
+			assert_true(s->motion(p, Y, time, &near));
+			const double of[8] = {near.u[0], near.u[1], near.v[0], near.v[1],
+								  near.F[0], near.F[1], near.F[2], near.F[3]};
+			for (int i = 0; i < 8; i++)
+				sum[along][i] += weight[k] * of[i] / d[along];
+		}
+	for (int i = 0; i < 2; i++) {
+		double fast = fabs(m.v[0]) + fabs(m.v[1]), hard = fabs(m.a[0]) + fabs(m.a[1]);
+		assert_near(sum[2][i], m.v[i], 1e-6 * fast);
+		assert_near(sum[2][2 + i], m.a[i], 1e-6 * hard);
+		for (int J = 0; J < 2; J++)
+			assert_near((i == J) + sum[J][i], m.F[2 * i + J], 1e-6);
+	}
+	for (int K = 0; K < 2; K++)
+		for (int i = 0; i < 4; i++)
+			assert_near(sum[K][4 + i], m.dF[K][i], 1e-5 * (1.0 + fabs(m.dF[K][i])));
+}
+
+static void test_motions(void **state)
+{
+	(void)state;
+	const struct {
+		const char *name;
+		double t;
+	} all[] = {{"periodic", 3.3e-3},
+			   {"axis_aligned", 3.3e-3},
+			   {"vortex", 0.3},
+			   {"expanding_ring", 4e-3},
+			   {"bar_vibration", 1.3}};
+	for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
+		struct case_of c = make(all[k].name, NULL);
+		bool around = exact_parameter(c.s, "inner") >= 0;
+		for (int i = 0; i < 8; i++) {
+			double R = around ? c.p[0] + (c.p[1] - c.p[0]) * (0.1 + 0.1 * i) : 0.0;
+			const double X[2] = {around ? R * cos(i + 0.3) : 0.05 + 0.11 * i,
+								 around ? R * sin(i + 0.3) : 0.9 - 0.1 * i};
+			check_motion(c.s, c.p, X, all[k].t);
+		}
+		const double outside[2] = {100.0, 0.0};
+		struct exact_motion m;
+		assert_int_equal(c.s->motion(c.p, outside, 0.1, &m),
+						 !strcmp(all[k].name, "periodic") || !strcmp(all[k].name, "vortex"));
+	}
+	/* no deformation on the radii of the vortex, no radial one on those of the ring */
+	struct case_of c = make("vortex", NULL);
+	struct exact_motion m;
+	assert_true(c.s->motion(c.p, (const double[2]){0.0, 1.25}, 0.5, &m));
+	for (int i = 0; i < 4; i++)
+		assert_near(m.F[i], i % 3 == 0, 1e-13);
+	assert_true(c.s->motion(c.p, (const double[2]){1.0, 0.0}, 0.5, &m));
+	assert_near(m.u[1], sin(1.0), 1e-13); /* one radian in the middle */
+	c = make("expanding_ring", NULL);
+	assert_true(c.s->motion(c.p, (const double[2]){0.6, 0.0}, 0.005, &m));
+	assert_near(m.F[0], 1.0, 1e-13);
+	assert_near(m.u[0], 0.02, 1e-15);
+	assert_true(c.s->motion(c.p, (const double[2]){0.4, 0.0}, 0.005, &m));
+	assert_near(m.F[0], 1.0, 1e-13);
+}
+
+/* sigma = M u_x, rho v_t = sigma_x, v = u_t: of the bars, away from the fronts; the column is in equilibrium. */
+static void test_bars(void **state)
+{
+	(void)state;
+	struct case_of bar = make("bar_vibration", NULL), impact = make("bar_impact", NULL), column = make("column", NULL);
+	const double z[3] = {7.0, 0.0, 3.0};
+	assert_near(100.0 * slope(&bar, EXACT_DISPLACEMENT_X, z, 0, 0.1), at(&bar, EXACT_STRESS_XX, z[0], 0.0, z[2]), 1e-8);
+	assert_near(slope(&bar, EXACT_STRESS_XX, z, 0, 0.02), slope(&bar, EXACT_VELOCITY_X, z, 2, 0.02), 1e-8);
+	assert_near(at(&bar, EXACT_VELOCITY_X, 25.0, 0.0, 0.0), 0.1, 1e-15);
+	const double wave = sqrt(1e6 / 1000.0);
+	for (int k = 0; k < 3; k++) {
+		const double y[3] = {0.4, 0.0, (0.2 + k) / wave};
+		assert_near(1e6 * slope(&impact, EXACT_DISPLACEMENT_X, y, 0, 1e-3), at(&impact, EXACT_STRESS_XX, y[0], 0, y[2]),
+					1e-6);
+		assert_near(slope(&impact, EXACT_DISPLACEMENT_X, y, 2, 1e-4), at(&impact, EXACT_VELOCITY_X, y[0], 0, y[2]),
+					1e-9);
+		assert_near(at(&impact, EXACT_STRESS_XX, y[0], 0, y[2]), k == 1 ? -1000.0 * wave * 0.1 : 0.0, 1e-9);
+		assert_near(at(&impact, EXACT_VELOCITY_X, y[0], 0, y[2]), 0.1 * (k - 1), 0.0);
+	}
+	assert_near(at(&impact, EXACT_DISPLACEMENT_X, 1.0, 0.0, 2.5 / wave), 0.1 * 0.5 / wave, 1e-15);
+	const double h[3] = {0.0, 20.0, 0.0};
+	assert_near(slope(&column, EXACT_STRESS_YY, h, 1, 0.5), 80.0 * 9.81, 1e-8);
+	assert_near(1e6 * slope(&column, EXACT_DISPLACEMENT_Y, h, 1, 0.5), at(&column, EXACT_STRESS_YY, 0.0, 20.0, 0.0),
+				1e-6);
+	assert_near(at(&column, EXACT_STRESS_YY, 0.0, 50.0, 0.0), 0.0, 0.0);
+}
+
 /* Where the temperature passes zero. */
 static double front(const struct case_of *c, double t)
 {
@@ -228,6 +325,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_table),   cmocka_unit_test(test_conduction), cmocka_unit_test(test_rod),
 		cmocka_unit_test(test_neumann), cmocka_unit_test(test_cooling),    cmocka_unit_test(test_danilovskaya),
+		cmocka_unit_test(test_motions), cmocka_unit_test(test_bars),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -130,6 +130,7 @@ static void test_same_bits_for_any_number_of_threads(void **arg)
 	enum { N = 12 };
 	struct rve_params params;
 	rve_params_default(&params);
+	params.bond_strength = 0.05;
 	omp_set_num_threads(4);
 	struct rve_case c;
 	case_start_loose(&c, &params, 100e3);
@@ -147,6 +148,8 @@ static void test_same_bits_for_any_number_of_threads(void **arg)
 				L[k][q] = shear[q] * (1.0 + k);
 			dT[k] = 0.01 * k;
 			rve_init(c.model, 0, states[t] + (size_t)k * bytes);
+			if (k % 3)
+				rve_install_bonds(c.model, states[t] + (size_t)k * bytes);
 		}
 		struct rve_batch batch = {.n = N,
 								  .states = states[t],

@@ -370,6 +370,39 @@ static void test_lists_keep_bonds(void **arg)
 	}
 }
 
+/* Bonds that hold far more than friction could melt in one sub-step: their share of the stored energy goes to the
+ * bonds, not to heat, and the stress falls to what friction carries. */
+static void test_melting_under_load(void **arg)
+{
+	(void)arg;
+	struct rve_params params;
+	struct rve_case c;
+	rve_params_default(&params);
+	params.bond_strength = 0.15;
+	params.bond_melting = 10.0;
+	params.n_max = 0;
+	start_packing(&c, &params);
+	const double L[4] = {1.0, 0.0, 0.0, -1.0};
+	double start = case_info(&c).work;
+	case_advance(&c, L, 0.0, 1e-3, 20);
+	case_advance(&c, rest, 0.0, 1e-3, 500);
+	struct rve_info loaded = case_info(&c);
+	double held = c.stress[0] - c.stress[1];
+	assert_true(held > 2.0 * fabs(loaded.pressure)); /* no friction of 0.5 does that */
+	case_advance(&c, rest, 11.0, 1e-3, 1);
+	struct rve_info melted = case_info(&c);
+	assert_int_equal(melted.bonds_intact, 0);
+	assert_true(melted.bond - loaded.bond > 0.3 * loaded.elastic);
+	case_advance(&c, rest, 0.0, 1e-3, 2000);
+	struct rve_info info = case_info(&c);
+	print_message("  stress difference %.0f kPa, melted %.1f kPa at p = %.1f kPa; residual %.1e of the work\n",
+				  held / 1e3, (c.stress[0] - c.stress[1]) / 1e3, info.pressure / 1e3,
+				  case_residual(&info) / (info.work - start));
+	assert_true(c.stress[0] - c.stress[1] < 1.2 * info.pressure);
+	assert_near(case_residual(&info) / (info.work - start), 0.0, 8e-3);
+	case_end(&c);
+}
+
 /* The sum over inspected contacts is the stress: with bonds that pull among them. */
 static void test_inspection_adds_up(void **arg)
 {
@@ -486,6 +519,7 @@ int main(void)
 		cmocka_unit_test(test_installing_changes_nothing),
 		cmocka_unit_test(test_rigid_rotation),
 		cmocka_unit_test(test_lists_keep_bonds),
+		cmocka_unit_test(test_melting_under_load),
 		cmocka_unit_test(test_inspection_adds_up),
 		cmocka_unit_test(test_same_bits_on_every_instruction_set),
 		cmocka_unit_test(test_a_copy_goes_on_with_the_same_bits),

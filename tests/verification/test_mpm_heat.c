@@ -147,7 +147,7 @@ static void test_reference_temperature(void **state)
 	(void)state;
 	struct elastic_scene s;
 	const double E = 1e7, nu = 0.25, alpha = 1e-5;
-	struct scene *scene = elastic_scene_init(&s, 6, 6, 0.1, E, nu, 1000.0, 5e-4);
+	struct scene *scene = elastic_scene_init(&s, 6, 6, 0.1, E, nu, 1000.0, 4e-4);
 	elastic_scene_heat(&s, alpha, 1.0, 1000.0);
 	s.materials[0].reference_temperature = 280.0;
 	elastic_scene_box(&s, 4, 0.1, 0.1, 0.5, 0.5)->temperature = 300.0;

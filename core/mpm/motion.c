@@ -1,0 +1,76 @@
+/* Bodies that are born with an exact motion (exact/exact.h), and the body force that keeps them on it. */
+#include <math.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "mpm/mpm_private.h"
+
+int motion_begin(struct mpm *mpm, int p, const double X[2])
+{
+	struct particles *points = &mpm->p;
+	const struct scene_body *body = &mpm->scene->bodies[points->body[p]];
+	const struct scene_motion *motion = &body->motion;
+	struct exact_motion start;
+	if (!motion->solution->motion(motion->parameters, X, 0.0, &start))
+		return error_set(STATUS_INPUT, "%s: body '%s' has a point at (%g, %g), where motion '%s' is not defined",
+						 mpm->scene->path, body->name, X[0], X[1], motion->solution->name);
+	if (motion->force && !mpm->laws[points->law[p]]->type->piola_derivative)
+		return error_set(STATUS_INPUT, "%s: body '%s': no body force is known for motion '%s' and a law of type '%s'",
+						 mpm->scene->path, body->name, motion->solution->name, mpm->laws[points->law[p]]->type->name);
+	for (int c = 0; c < 2; c++) {
+		points->x[p][c] = X[c] + start.u[c];
+		points->v[p][c] = start.v[c];
+	}
+	memcpy(points->F[p], start.F, sizeof start.F);
+	return STATUS_OK;
+}
+
+/* b = a - Div P / rho0, m/s2; the divergence by the chain rule, sum_J dP/dF : dF/dX_J. */
+static void body_force(const struct mpm *mpm, int p, double b[2])
+{
+	const struct particles *points = &mpm->p;
+	const struct scene_motion *motion = &mpm->scene->bodies[points->body[p]].motion;
+	const struct law *law = mpm->laws[points->law[p]];
+	struct exact_motion m;
+	double along_x[4], along_y[4], volume = points->volume0[p] / points->mass[p];
+	motion->solution->motion(motion->parameters, points->x0[p], mpm->time, &m);
+	law->type->piola_derivative(law, m.F, m.dF[0], along_x);
+	law->type->piola_derivative(law, m.F, m.dF[1], along_y);
+	b[0] = m.a[0] - volume * (along_x[0] + along_y[1]);
+	b[1] = m.a[1] - volume * (along_x[2] + along_y[3]);
+}
+
+static void push_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
+{
+	struct shape_lists lists;
+	const struct particles *points = &mpm->p;
+	int rows = w->cells_y, from = stripe * STRIPE_ROWS, to = from + STRIPE_ROWS < rows ? from + STRIPE_ROWS : rows;
+	int first = w->cell_first[from * w->cells_x], last = w->cell_first[to * w->cells_x], nodes = mpm->shape->max_nodes;
+	for (int i = first; i < last; i += SHAPE_CHUNK) {
+		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
+		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])points->x, points->body, w->half, &lists);
+		for (int k = 0; k < n; k++) {
+			const struct scene_motion *motion = &mpm->scene->bodies[points->body[chunk[k]]].motion;
+			double b[2];
+			if (!motion->solution || !motion->force)
+				continue;
+			body_force(mpm, chunk[k], b);
+			for (int a = k * nodes; a < (k + 1) * nodes; a++) {
+				double mass = lists.weight[a] * points->mass[chunk[k]];
+				w->body_force[lists.node[a]][0] += mass * b[0];
+				w->body_force[lists.node[a]][1] += mass * b[1];
+			}
+		}
+	}
+}
+
+void motion_forces(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	memset(w->body_force, 0, (size_t)mpm->grid.nx * (size_t)mpm->grid.ny * sizeof *w->body_force);
+	for (int parity = 0; parity < 2; parity++) {
+#pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))
+		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
+			push_stripe(mpm, w, stripe);
+	}
+}
