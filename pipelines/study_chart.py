@@ -166,6 +166,13 @@ def finish(study, figure, handles, note=""):
     figure.text(0.0, -0.02, note, fontsize=7, color="0.4", va="top", ha="left")
 
 
+def drawable(study):
+    """Norms that have errors, and the runs that have one of these."""
+    done = [row for row in study.rows if row["outcome"] == "done"]
+    norms = [n for n in study.about["norms"] if any(number(row[n["name"] + ".error"]) > 0 for row in done)]
+    return norms, [row for row in done if any(number(row[n["name"] + ".error"]) > 0 for n in norms)]
+
+
 # ---- error against cost ----
 
 def pareto(points):
@@ -199,7 +206,8 @@ def draw_scatter(ax, study, norm, values):
     if scatter > 0:
         ax.axhspan(1e-300, scatter, color="0.93", zorder=0)
         ax.annotate("seed-to-seed scatter", (0.0, scatter), xycoords=("axes fraction", "data"), xytext=(3, -2),
-                    textcoords="offset points", va="top", color="0.45", fontsize=7)
+                    textcoords="offset points", va="top", color="0.4", fontsize=7, zorder=5,
+                    bbox={"facecolor": "0.93", "edgecolor": "none", "pad": 0.8})
         values.append(scatter)
 
 
@@ -218,7 +226,7 @@ def cost_panel(ax, study, look, groups, norm, cost):
                         linewidth=0.8, capsize=2, zorder=2)
         ax.plot([x], [y], linestyle="none", zorder=4, **look.of(group[0]))
         xs.append(x)
-        ys.append(y)
+        ys += [y, y + dy]
     front = pareto(points)
     ax.plot([p[0] for p in front], [p[1] for p in front], color="0.3", linewidth=1.0, zorder=1.5)
     ax.plot([p[0] for p in front], [p[1] for p in front], linestyle="none", marker="o", markersize=15,
@@ -232,8 +240,7 @@ def cost_panel(ax, study, look, groups, norm, cost):
 
 
 def chart_cost(study):
-    rows = [row for row in study.rows if row["outcome"] == "done"]
-    norms = [n for n in study.about["norms"] if any(number(row[n["name"] + ".error"]) > 0 for row in rows)]
+    norms, rows = drawable(study)
     if not norms:
         return
     look, groups = Look(study, rows), over_seeds(study, rows)
@@ -267,8 +274,7 @@ def slope(points):
 
 def chart_against(study, name):
     knob = next(k for k in study.about["knobs"] if k["name"] == name)
-    rows = [row for row in study.rows if row["outcome"] == "done"]
-    norms = [n for n in study.about["norms"] if any(number(row[n["name"] + ".error"]) > 0 for row in rows)]
+    norms, rows = drawable(study)
     if not norms:
         return
     numeric = all(v is not None and v > 0 for v in knob["values"])
@@ -294,7 +300,7 @@ def chart_against(study, name):
                         color=COLOURS[k % len(COLOURS)], marker=MARKERS[k % len(MARKERS)],
                         markersize=max(9.0 - 1.5 * k, 4.0), label=what)  # of lines that coincide all show
             xs += [p[0] for p in line]
-            ys += [p[1] for p in line]
+            ys += [p[1] for p in line] + [p[1] + p[2] for p in line]
         draw_gates(ax, norm, ys)
         draw_scatter(ax, study, norm, ys)
         ax.set_yscale("log")

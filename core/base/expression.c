@@ -44,8 +44,8 @@ static int parse_call(struct parser *p, const char *name, double *value)
 	static const struct {
 		const char *name;
 		double (*one)(double), (*two)(double, double);
-	} functions[] = {{"sqrt", sqrt, NULL}, {"abs", fabs, NULL}, {"exp", exp, NULL},
-					 {"log", log, NULL},   {"min", NULL, fmin}, {"max", NULL, fmax}};
+	} functions[] = {{"sqrt", sqrt, NULL},   {"abs", fabs, NULL}, {"exp", exp, NULL}, {"log", log, NULL},
+					 {"round", round, NULL}, {"min", NULL, fmin}, {"max", NULL, fmax}};
 	for (size_t k = 0; k < sizeof functions / sizeof *functions; k++) {
 		double a, b = 0.0;
 		if (strcmp(functions[k].name, name))
@@ -59,7 +59,7 @@ static int parse_call(struct parser *p, const char *name, double *value)
 		*value = functions[k].one ? functions[k].one(a) : functions[k].two(a, b);
 		return take(p, ')') ? STATUS_OK : wrong(p, "a closing )");
 	}
-	return error_set(STATUS_INPUT, "\"%s\": no function is called %s, expected sqrt, abs, exp, log, min or max",
+	return error_set(STATUS_INPUT, "\"%s\": no function is called %s, expected sqrt, abs, exp, log, round, min or max",
 					 p->text, name);
 }
 

@@ -1,4 +1,4 @@
-/* Arithmetic in text: numbers, names, + - * / ^, brackets, and sqrt, abs, exp, log, min, max.
+/* Arithmetic in text: numbers, names, + - * / ^, brackets, and sqrt, abs, exp, log, round, min, max.
  *
  * A name is letters, digits, _ and dots ("region.silo.mass"); in single quotes it may hold anything.  What a name
  * means is the caller's: columns of a table, knobs of a study. */

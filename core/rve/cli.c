@@ -441,7 +441,7 @@ static int write_row(void *context, const double row[RVE_COLUMNS])
 static void report(const struct rve_drive_report *r, const char *out, double seconds)
 {
 	const struct rve_info *last = &r->last;
-	printf("%s: %d rows, %lld sub-steps in %.2f s\n", out, r->rows, last->total_sub_steps, seconds);
+	printf("%s: %d rows, %lld sub-steps in %.3g s\n", out, r->rows, last->total_sub_steps, seconds);
 	if (r->rows_off_pressure == r->rows)
 		fprintf(stderr, "tmdempm rve load: warning: the pressure is not reached, a larger --strain is needed\n");
 	else if (r->rows_off_pressure > 0)

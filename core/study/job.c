@@ -67,6 +67,36 @@ static int hash_scene(uint64_t *hash, const struct study *study, const struct co
 	return status;
 }
 
+/* The file that an option of `rve load` names, as seen from the study's; "" if it names none. */
+static int option_file(char path[FILE_PATH], const struct study *study, const char *option)
+{
+	static const char *const files[] = {"scene=", "path=", "packing="};
+	char folder[FILE_PATH];
+	path[0] = '\0';
+	for (size_t k = 0; k < sizeof files / sizeof *files; k++)
+		if (!strncmp(option, files[k], strlen(files[k]))) {
+			CHECK(file_folder(folder, study->file));
+			CHECK(file_join(path, folder, option + strlen(files[k])));
+		}
+	return STATUS_OK;
+}
+
+static int hash_load(uint64_t *hash, const struct study *study, const struct combination *c)
+{
+	for (int k = 0; k < c->sets.n; k++) {
+		char path[FILE_PATH], *text;
+		size_t size;
+		*hash = hash_text(*hash, c->sets.items[k]);
+		CHECK(option_file(path, study, c->sets.items[k]));
+		if (!path[0])
+			continue;
+		CHECK(file_read(&text, &size, path));
+		*hash = hash_bytes(*hash, text, size);
+		free(text);
+	}
+	return STATUS_OK;
+}
+
 /* Letters, digits and a few signs; the rest would trouble shells and people. */
 static void folder_text(char text[80], const struct study *study, const struct combination *c)
 {
@@ -86,11 +116,7 @@ int job_name(const struct study *study, struct combination *c, const char *folde
 	uint64_t hash =
 		hash_text(HASH_START, TMDEMPM_VERSION " " TMDEMPM_COMPILER " " TMDEMPM_BUILD_TYPE " " ENGINE_SOURCES_HASH);
 	char text[80], name[160];
-	if (study->load.n)
-		for (int k = 0; k < c->sets.n; k++)
-			hash = hash_text(hash, c->sets.items[k]);
-	else
-		CHECK(hash_scene(&hash, study, c));
+	CHECK((study->load.n ? hash_load : hash_scene)(&hash, study, c));
 	snprintf(c->hash, sizeof c->hash, "%016" PRIx64, hash);
 	folder_text(text, study, c);
 	snprintf(name, sizeof name, "runs/%s%s-%.10s", text, c->off ? "_off" : "", c->hash);
@@ -199,9 +225,11 @@ static int arguments_run(struct arguments *a, const struct study *study, const s
 	return STATUS_OK;
 }
 
-/* An option that a knob sets replaces that of all runs. */
+/* An option that a knob sets replaces that of all runs; `set` may be given many times. */
 static bool option_is_last(const struct combination *c, int k)
 {
+	if (!strncmp(c->sets.items[k], "set=", 4))
+		return true;
 	size_t n = strcspn(c->sets.items[k], "=");
 	for (int j = k + 1; j < c->sets.n; j++)
 		if (strcspn(c->sets.items[j], "=") == n && !strncmp(c->sets.items[j], c->sets.items[k], n))
@@ -209,13 +237,19 @@ static bool option_is_last(const struct combination *c, int k)
 	return true;
 }
 
-static int arguments_load(struct arguments *a, const struct combination *c, const char *out)
+static int arguments_load(struct arguments *a, const struct study *study, const struct combination *c, const char *out)
 {
+	char path[FILE_PATH];
 	CHECK(argument(a, "%s", "rve"));
 	CHECK(argument(a, "%s", "load"));
-	for (int k = 0; k < c->sets.n; k++)
-		if (option_is_last(c, k))
-			CHECK(argument(a, "--%s", c->sets.items[k]));
+	for (int k = 0; k < c->sets.n; k++) {
+		CHECK(option_file(path, study, c->sets.items[k]));
+		if (!option_is_last(c, k))
+			continue;
+		char option[FILE_PATH + 32];
+		snprintf(option, sizeof option, "--%.*s=%s", (int)strcspn(c->sets.items[k], "="), c->sets.items[k], path);
+		CHECK(argument(a, path[0] ? "%s" : "--%s", path[0] ? option : c->sets.items[k]));
+	}
 	return argument(a, "--out=%s", out);
 }
 
@@ -254,7 +288,7 @@ int job_start(const struct study *study, struct combination *c, const char *prog
 	struct arguments *a = calloc(1, sizeof *a);
 	int status = a ? argument(a, "%s", program) : error_set(STATUS_RESOURCE, "out of memory");
 	if (status == STATUS_OK)
-		status = study->load.n ? arguments_load(a, c, out) : arguments_run(a, study, c, out);
+		status = study->load.n ? arguments_load(a, study, c, out) : arguments_run(a, study, c, out);
 	if (status == STATUS_OK)
 		status = spawn(a, program, log, pid);
 	for (int k = 0; a && k < a->n; k++)

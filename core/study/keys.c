@@ -152,7 +152,7 @@ static const struct scene_key norm_keys[] = {
 	{.name = "kind", .type = KEY_ENUM, AT(study_norm, kind), .value = "\"rms\"", CHOICES("rms", "max", "mean", "end", "reach"),
 	 .doc = "root mean square or largest difference; difference of the means, of the last values, of the abscissae at which level is reached"},
 	{.name = "column", TEXT(study_norm, column), .absent = "only points",
-	 .doc = "a column of the run's history (of the curve of an RVE), or an expression of columns"},
+	 .doc = "a column of the run's history (of the curve of an RVE), or an expression of columns and knobs"},
 	{.name = "abscissa", TEXT(study_norm, abscissa), .value = "\"time\"", .doc = "a column or an expression, over which the curve is taken"},
 	{.name = "points", TEXT(study_norm, points), .absent = "only column",
 	 .doc = "a field of the points in a snapshot, such as temperature, stress_xx or displacement, against the exact solution; rms weighs by volume"},
@@ -193,7 +193,7 @@ static const struct scene_key root_keys[] = {
 	 .doc = "error against cost; or where a method fails, and whether a guard tells, every combination with and without guards"},
 	{.name = "scene", .type = KEY_GROUP, AT(study, scene), KEYS(scene_keys), .absent = "load", .doc = "what is run"},
 	{.name = "load", TEXTS(study, load), .absent = "scene", .expected = "a list of options of `tmdempm rve load` (\"rate=1\", ...)",
-	 .doc = "or one RVE alone: options of rve load but for packing files and out; knobs set options too"},
+	 .doc = "or one RVE alone: all options of rve load but out, such as \"rate=1\"; files are as seen from this file; knobs set options too"},
 	{.name = "knobs", LIST(study, knobs, n_knobs), KEYS(knob_keys), .required = true, .doc = "what is varied"},
 	{.name = "plan", .type = KEY_ENUM, AT(study, plan), .value = "\"product\"", CHOICES("product", "one_at_a_time", "list"),
 	 .doc = "every value with every other; each knob alone, the others as in around; or the list combinations"},
@@ -361,6 +361,13 @@ static void check_lists(struct loader *loader, const struct study *study)
 
 static void check_names(struct loader *loader, const struct study *study)
 {
+	static const char *const columns[] = {"guards", "verdict", "outcome",     "reference",  "wall",   "cpu",    "setup",
+										  "steps",  "points",  "point_steps", "disc_steps", "reason", "folder", "runs"};
+	for (int k = 0; k < study->n_knobs; k++)
+		for (size_t j = 0; j < sizeof columns / sizeof *columns; j++)
+			if (!strcmp(study->knobs[k].name, columns[j]))
+				problem_at(loader, study->knobs[k].place, "knobs",
+						   "has the name \"%s\", a column of study.csv, expected another", columns[j]);
 	for (int k = 0; k < study->n_knobs; k++)
 		for (int j = 0; j < k; j++)
 			if (!strcmp(study->knobs[k].name, study->knobs[j].name))

@@ -94,25 +94,20 @@ bool plan_matches(const struct study *study, const int *choice, const char *sele
 
 /* ---- expressions of knobs ---- */
 
-struct knob_values {
-	const struct study *study;
-	const int *choice;
-};
-
-static bool knob_lookup(void *context, const char *name, double *value)
+bool plan_lookup(void *context, const char *name, double *value)
 {
-	const struct knob_values *values = context;
-	int k = plan_knob(values->study, name);
+	const struct plan_place *place = context;
+	int k = plan_knob(place->study, name);
 	if (k < 0)
 		return false;
-	*value = values->study->knobs[k].choices[values->choice[k]].value;
+	*value = place->study->knobs[k].choices[place->choice[k]].value;
 	return !isnan(*value);
 }
 
 int plan_value(const struct study *study, const int *choice, const char *expression, double *value)
 {
-	struct knob_values values = {study, choice};
-	return expression_value(expression, knob_lookup, &values, value);
+	struct plan_place place = {study, choice};
+	return expression_value(expression, plan_lookup, &place, value);
 }
 
 /* One $(...): the name of a knob alone gives its text, anything else a number. */

@@ -73,7 +73,7 @@ struct study_gate {
 struct study_norm {
 	char name[SCENE_NAME], label[STUDY_TEXT];
 	enum study_norm_kind kind;
-	char column[STUDY_TEXT];   /* an expression of columns of the curve, "" = a norm over points */
+	char column[STUDY_TEXT];   /* an expression of columns of the curve and knobs, "" = a norm over points */
 	char abscissa[STUDY_TEXT]; /* the same; "time" */
 	char points[SCENE_NAME];   /* a field of snapshots, or a component of one */
 	char exact[STUDY_TEXT];    /* an expression of fields of the exact solution; "" = the column's own name */
@@ -185,6 +185,13 @@ bool plan_matches(const struct study *study, const int *choice, const char *sele
 int plan_check_selection(const struct study *study, const char *selection);
 
 int plan_knob(const struct study *study, const char *name);
+
+/* Values of knobs for expressions (an expression_lookup); the context is a struct plan_place. */
+struct plan_place {
+	const struct study *study;
+	const int *choice;
+};
+bool plan_lookup(void *context, const char *name, double *value);
 
 /* An expression of knobs. */
 int plan_value(const struct study *study, const int *choice, const char *expression, double *value);

@@ -20,6 +20,14 @@ int series_create(struct series *series, int n)
 	return error_set(STATUS_RESOURCE, "out of memory");
 }
 
+int series_copy(struct series *copy, const struct series *series)
+{
+	CHECK(series_create(copy, series->n));
+	memcpy(copy->x, series->x, (size_t)series->n * sizeof *copy->x);
+	memcpy(copy->y, series->y, (size_t)series->n * sizeof *copy->y);
+	return STATUS_OK;
+}
+
 void series_free(struct series *series)
 {
 	free(series->x);
@@ -31,6 +39,7 @@ void series_free(struct series *series)
 
 struct table_row {
 	const struct csv_table *table;
+	const struct plan_place *place;
 	int row;
 };
 
@@ -38,16 +47,18 @@ static bool table_lookup(void *context, const char *name, double *value)
 {
 	const struct table_row *at = context;
 	int k = csv_column(at->table, name);
-	if (k >= 0)
-		*value = at->table->values[(size_t)at->row * (size_t)at->table->columns + (size_t)k];
-	return k >= 0;
+	if (k < 0)
+		return at->place && plan_lookup((void *)at->place, name, value);
+	*value = at->table->values[(size_t)at->row * (size_t)at->table->columns + (size_t)k];
+	return true;
 }
 
-static int series_fill(struct series *series, const struct csv_table *table, const char *abscissa, const char *column)
+static int series_fill(struct series *series, const struct csv_table *table, const struct plan_place *place,
+					   const char *abscissa, const char *column)
 {
 	int n = 0;
 	for (int k = 0; k < table->rows; k++) {
-		struct table_row row = {table, k};
+		struct table_row row = {table, place, k};
 		double x, y;
 		CHECK(expression_value(abscissa, table_lookup, &row, &x));
 		CHECK(expression_value(column, table_lookup, &row, &y));
@@ -63,10 +74,11 @@ static int series_fill(struct series *series, const struct csv_table *table, con
 	return STATUS_OK;
 }
 
-int series_of_table(struct series *series, const struct csv_table *table, const char *abscissa, const char *column)
+int series_of_table(struct series *series, const struct csv_table *table, const struct plan_place *place,
+					const char *abscissa, const char *column)
 {
 	CHECK(series_create(series, table->rows));
-	int status = series_fill(series, table, abscissa, column);
+	int status = series_fill(series, table, place, abscissa, column);
 	if (status != STATUS_OK)
 		series_free(series);
 	return status == STATUS_INPUT ? error_context(status, "%s", table->path) : status;

@@ -45,6 +45,25 @@ def scenes(f):
         expect(name in words and "steel" not in words and not said, words)
 
 
+def studies(f):
+    """scenarios/study finds studies by name or as files, all of them on demand, and wants matplotlib set up."""
+    program(f("tree", ".ci", "setup"))
+    program(f("tree", "build", "bin", "tmdempm"))
+    of = lambda name: f("tree", "scenarios", "studies", name + ".cfg")
+    said, _ = script(f, "scenarios/study", "rve_size", "column_quick.cfg", "--jobs", "3")
+    expect(said == ["setup: --charts", "tmdempm: study %s %s --out out/studies --jobs 3" % (of("rve_size"), of("column_quick"))], str(said))
+    said, _ = script(f, "scenarios/study", "all", "--out", "here", "--jobs=1")
+    every = sorted(name for name in os.listdir(f("tree", "scenarios", "studies")) if name.endswith(".cfg"))
+    expect(said[1].startswith("tmdempm: study ") and said[1].count(".cfg") == len(every), str(said))
+    for unknown in ("rve", "silo_forced"):
+        said, words = script(f, "scenarios/study", unknown, code=2)
+        expect(not said and "'%s'" % unknown in words, words)
+    _, words = script(f, "scenarios/study")
+    expect("rve_size" in words, words)
+    said, words = script(f, "scenarios/run", "column_quick")  # a study's name is not in a scene's way
+    expect(said[1].startswith("tmdempm: run " + f("tree", "scenarios", "tm_dempm", "column_quick.cfg")), str(said) + words)
+
+
 def tests(f):
     """tests/run leaves the long ones out unless tests are chosen."""
     program(f("bin", "ctest"))
@@ -104,5 +123,6 @@ with Folder() as f:
             shutil.copy(at, f("tree", part))
     os.mkdir(f("elsewhere"))
     scenes(f)
+    studies(f)
     tests(f)
     setup(f)

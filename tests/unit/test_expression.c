@@ -38,7 +38,8 @@ static void values(void **state)
 				 {"'a-b' - x", 4},
 				 {"sqrt(16)+abs(-2)", 6},
 				 {"min(x, 2) + max(x, 5)", 7},
-				 {"exp(log(5))", 5}};
+				 {"exp(log(5))", 5},
+				 {"round(2.6)", 3}};
 	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
 		double value;
 		if (expression_value(cases[k].text, lookup, NULL, &value) != STATUS_OK)

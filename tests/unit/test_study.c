@@ -180,7 +180,7 @@ static struct series curve(const char *text, const char *abscissa, const char *c
 	struct series series;
 	write_file(text);
 	assert_int_equal(csv_read(&table, path, NULL), STATUS_OK);
-	if (series_of_table(&series, table, abscissa, column) != STATUS_OK)
+	if (series_of_table(&series, table, NULL, abscissa, column) != STATUS_OK)
 		fail_msg("%s", error_message());
 	csv_table_free(table);
 	return series;
@@ -236,9 +236,9 @@ static void abscissae(void **state)
 	series_free(&s);
 	struct csv_table *table;
 	assert_int_equal(csv_read(&table, path, NULL), STATUS_OK);
-	assert_int_equal(series_of_table(&s, table, "strain", "p"), STATUS_INPUT);
+	assert_int_equal(series_of_table(&s, table, NULL, "strain", "p"), STATUS_INPUT);
 	assert_non_null(strstr(error_message(), "falls at row 2, expected one that grows"));
-	assert_int_equal(series_of_table(&s, table, "-strain", "q"), STATUS_INPUT);
+	assert_int_equal(series_of_table(&s, table, NULL, "-strain", "q"), STATUS_INPUT);
 	assert_non_null(strstr(error_message(), "q is not known here"));
 	csv_table_free(table);
 }
@@ -259,6 +259,8 @@ static const struct {
 	 "expected one without comma, equals sign and semicolon"},
 	{SCENE NORMS "knobs = ( { name = \"a\"; values = [1]; }, { name = \"a\"; values = [2]; } );",
 	 "knobs has \"a\" twice"},
+	{SCENE NORMS "knobs = ( { name = \"points\"; values = [1]; } );",
+	 "knobs has the name \"points\", a column of study.csv"},
 	{SCENE NORMS "knobs = ( { name = \"a\"; values = 3; } );",
 	 "knobs.[0].values is an integer, expected a list of numbers or strings"},
 	{SCENE KNOBS "norms = ( { name = \"n\"; } );", "norms.[0] has neither column nor points"},
