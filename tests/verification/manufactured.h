@@ -238,28 +238,27 @@ static void test_threads(void **state)
 
 #else
 
-/* One grid finer. */
+/* One grid finer: still of second order where nothing crosses; at strains of 16% the order of uGIMP goes on falling. */
 static void test_fine(void **state)
 {
 	(void)state;
-	for (int k = 0; k < 2; k++) {
-		struct mms m = {"axis_aligned", both_shapes[k], .amplitude = 1e-4,
-						.end = 0.02,    .courant = 0.1, .quadratic = true};
-		double error[2], order[1];
-		mms_orders(&m, 32, 2, error, order);
-		assert_within(order[0], 1.9, 2.2);
-	}
-	struct mms m = {"axis_aligned",      "ugimp",          .amplitude = 0.05, .end = 0.02, .courant = 0.2,
-					.neo_hookean = true, .quadratic = true};
 	double error[4], order[3];
-	mms_orders(&m, 8, 4, error, order);
-	assert_within(order[1], 1.3, 2.0);
-	assert_within(order[2], 0.0, 1.6);
-	const double amplitudes[2] = {0.01, 0.1};
-	for (int k = 0; k < 4; k++) {
-		struct mms vortex = {"vortex",   both_shapes[k % 2], .amplitude = amplitudes[k / 2],
-							 .end = 1.0, .courant = 0.1,     .neo_hookean = true};
-		mms_orders(&vortex, 30, 3, error, order);
+	struct mms m = {"axis_aligned",      "ugimp",          .amplitude = 1e-4, .end = 0.02, .courant = 0.2,
+					.neo_hookean = true, .quadratic = true};
+	mms_orders(&m, 24, 2, error, order);
+	assert_within(order[0], 1.9, 2.2);
+	m.amplitude = 0.05;
+	mms_orders(&m, 12, 3, error, order);
+	assert_within(order[0], 1.5, 2.0);
+	assert_within(order[1], 0.8, 1.7);
+	assert_true(order[1] < order[0]);
+	struct mms vortex = {"vortex", "ugimp", .amplitude = 0.1, .end = 1.0, .courant = 0.2, .neo_hookean = true};
+	mms_orders(&vortex, 60, 2, error, order);
+	assert_within(order[0], 1.0, 2.2);
+	vortex.amplitude = 0.01;
+	for (int k = 0; k < 2; k++) {
+		vortex.shape = both_shapes[k];
+		mms_orders(&vortex, 30, 2, error, order);
 		assert_within(order[0], 1.8, 2.4);
 	}
 }
