@@ -103,19 +103,12 @@ INLINE void scatter_rigidity(struct mpm_work *w, const struct shape_lists *lists
 	}
 }
 
-/* The points of a stripe in w->order. */
-static void stripe_points(const struct mpm_work *w, int stripe, int *first, int *last)
-{
-	int from = stripe * STRIPE_ROWS, to = from + STRIPE_ROWS < w->cells_y ? from + STRIPE_ROWS : w->cells_y;
-	*first = w->cell_first[from * w->cells_x], *last = w->cell_first[to * w->cells_x];
-}
-
-static void scatter_stripe(const struct mpm *mpm, struct mpm_work *w, int stripe)
+static void scatter_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 {
 	struct shape_lists lists;
 	const struct particles *p = &mpm->p;
 	int nodes = mpm->shape->max_nodes, first, last;
-	stripe_points(w, stripe, &first, &last);
+	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
 		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])p->x, p->body, w->half, &lists);
@@ -194,7 +187,7 @@ static struct limit_sum judge_stripe(const struct mpm *mpm, struct mpm_work *w, 
 	struct shape_lists lists;
 	struct limit_sum sum = {.stiffest = -1, .grown = -1, .hottest = -1};
 	int nodes = mpm->shape->max_nodes, first, last;
-	stripe_points(w, stripe, &first, &last);
+	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
 		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
@@ -214,11 +207,7 @@ static struct limit_sum sweep(struct mpm *mpm, struct mpm_work *w)
 		if (w->row_high[j] >= w->row_low[j])
 			memset(w->limit_nodes + (size_t)j * (size_t)mpm->grid.nx + (size_t)w->row_low[j], 0,
 				   (size_t)(w->row_high[j] - w->row_low[j] + 1) * sizeof *w->limit_nodes);
-	for (int parity = 0; parity < 2; parity++) {
-#pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))
-		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
-			scatter_stripe(mpm, w, stripe);
-	}
+	mpm_each_stripe(mpm, scatter_stripe);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < ny; j++)
 		finish_row(mpm, w, j);

@@ -44,8 +44,8 @@ static void push_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 {
 	struct shape_lists lists;
 	const struct particles *points = &mpm->p;
-	int rows = w->cells_y, from = stripe * STRIPE_ROWS, to = from + STRIPE_ROWS < rows ? from + STRIPE_ROWS : rows;
-	int first = w->cell_first[from * w->cells_x], last = w->cell_first[to * w->cells_x], nodes = mpm->shape->max_nodes;
+	int first, last, nodes = mpm->shape->max_nodes;
+	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
 		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])points->x, points->body, w->half, &lists);
@@ -68,9 +68,5 @@ void motion_forces(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	memset(w->body_force, 0, (size_t)mpm->grid.nx * (size_t)mpm->grid.ny * sizeof *w->body_force);
-	for (int parity = 0; parity < 2; parity++) {
-#pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))
-		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
-			push_stripe(mpm, w, stripe);
-	}
+	mpm_each_stripe(mpm, push_stripe);
 }

@@ -150,8 +150,8 @@ static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, s
 {
 	struct shape_lists lists;
 	struct particles *points = &mpm->p;
-	int from = stripe * STRIPE_ROWS, to = from + STRIPE_ROWS < w->cells_y ? from + STRIPE_ROWS : w->cells_y;
-	int first = w->cell_first[from * w->cells_x], last = w->cell_first[to * w->cells_x];
+	int first, last;
+	mpm_stripe_points(w, stripe, &first, &last);
 	struct stripe_sum *sum = &w->stripe_sums[stripe];
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;

@@ -361,6 +361,13 @@ static void check_lists(struct loader *loader, const struct study *study)
 
 static void check_names(struct loader *loader, const struct study *study)
 {
+	static const char *const columns[] = {"guards", "verdict", "outcome",     "reference",  "wall",   "cpu",    "setup",
+										  "steps",  "points",  "point_steps", "disc_steps", "reason", "folder", "runs"};
+	for (int k = 0; k < study->n_knobs; k++)
+		for (size_t j = 0; j < sizeof columns / sizeof *columns; j++)
+			if (!strcmp(study->knobs[k].name, columns[j]))
+				problem_at(loader, study->knobs[k].place, "knobs",
+						   "has the name \"%s\", a column of study.csv, expected another", columns[j]);
 	for (int k = 0; k < study->n_knobs; k++)
 		for (int j = 0; j < k; j++)
 			if (!strcmp(study->knobs[k].name, study->knobs[j].name))

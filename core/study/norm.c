@@ -43,12 +43,24 @@ static int curve_get(struct curve *curve, const struct study *study, const struc
 	return STATUS_OK;
 }
 
-static int norm_series(struct series *series, const struct csv_table *table, const struct study *study,
-					   const struct combination *c, const struct study_norm *norm)
+/* A norm's curve: all of it, and the part that counts. */
+struct norm_curve {
+	struct series whole, part;
+};
+
+static void norm_curve_free(struct norm_curve *curve)
+{
+	series_free(&curve->whole);
+	series_free(&curve->part);
+}
+
+static int norm_curve_get(struct norm_curve *curve, const struct csv_table *table, const struct study *study,
+						  const struct combination *c, const struct study_norm *norm)
 {
 	const struct plan_place place = {study, c->choice};
-	CHECK(series_of_table(series, table, &place, norm->abscissa, norm->column));
-	series_window(series, norm->from, norm->until);
+	CHECK(series_of_table(&curve->whole, table, &place, norm->abscissa, norm->column));
+	CHECK(series_copy(&curve->part, &curve->whole));
+	series_window(&curve->part, norm->from, norm->until);
 	return STATUS_OK;
 }
 
@@ -121,21 +133,20 @@ static int finest_series(struct series *mean, double *value, struct evaluation *
 	int n = 0;
 	*value = 0.0;
 	for (int from = 0; (other = reference_next(e->plan, c, &from)); n++) {
-		struct series one;
+		struct norm_curve one = {0};
 		if (other->result.outcome != OUTCOME_DONE) { /* no reference, no error */
 			*value = NAN;
 			continue;
 		}
 		CHECK(curve_get(&e->reference, e->plan->study, other));
-		CHECK(norm_series(&one, e->reference.table, e->plan->study, other, norm));
-		*value += series_value(&one, norm->kind, norm->level);
-		if (!mean->x) {
-			*mean = one;
-			continue;
-		}
-		for (int k = 0; k < mean->n; k++)
-			mean->y[k] += series_at(&one, mean->x[k]);
-		series_free(&one);
+		CHECK(norm_curve_get(&one, e->reference.table, e->plan->study, other, norm));
+		*value += series_value(&one.part, norm->kind, norm->level);
+		if (!mean->x)
+			CHECK(series_copy(mean, &one.part));
+		else
+			for (int k = 0; k < mean->n; k++)
+				mean->y[k] += series_at(&one.whole, mean->x[k]);
+		norm_curve_free(&one);
 	}
 	for (int k = 0; k < mean->n; k++)
 		mean->y[k] /= n;
@@ -152,40 +163,50 @@ static void cut_to(struct series *reference, const struct series *own, const str
 		series_window(reference, own->x[0], own->x[own->n - 1]);
 }
 
+static int reference_series(struct series *reference, double *value, struct evaluation *e, const struct combination *c,
+							const struct study_norm *norm, const struct series *own)
+{
+	struct norm_curve table = {0};
+	switch (e->plan->study->reference.kind) {
+	case STUDY_NO_REFERENCE:
+		return STATUS_OK;
+	case STUDY_FINEST:
+		return finest_series(reference, value, e, c, norm);
+	case STUDY_EXACT:
+		CHECK(exact_series(reference, e, norm, own));
+		break;
+	case STUDY_TABLE:
+		CHECK(norm_curve_get(&table, e->table, e->plan->study, c, norm));
+		CHECK(series_copy(reference, &table.part));
+		norm_curve_free(&table);
+		break;
+	}
+	*value = series_value(reference, norm->kind, norm->level);
+	return STATUS_OK;
+}
+
 static int column_norm(struct evaluation *e, const struct combination *c, const struct study_norm *norm, double *value,
 					   double *error)
 {
 	const struct study *study = e->plan->study;
-	struct series own, reference = {0};
-	double reference_value = 0.0;
-	int status = STATUS_OK;
-	CHECK(norm_series(&own, e->own.table, study, c, norm));
-	*value = series_value(&own, norm->kind, norm->level);
-	switch (study->reference.kind) {
-	case STUDY_NO_REFERENCE:
-		series_free(&own);
-		return STATUS_OK;
-	case STUDY_EXACT:
-		status = exact_series(&reference, e, norm, &own);
-		break;
-	case STUDY_TABLE:
-		status = norm_series(&reference, e->table, study, c, norm);
-		break;
-	case STUDY_FINEST:
-		status = finest_series(&reference, &reference_value, e, c, norm);
-		break;
-	}
-	if (status == STATUS_OK) {
-		cut_to(&reference, &own, c);
+	struct norm_curve own = {0};
+	struct series reference = {0};
+	double reference_value = NAN;
+	int status = norm_curve_get(&own, e->own.table, study, c, norm);
+	if (status == STATUS_OK)
+		status = reference_series(&reference, &reference_value, e, c, norm, &own.part);
+	if (status == STATUS_OK)
+		*value = series_value(&own.part, norm->kind, norm->level);
+	if (status == STATUS_OK && study->reference.kind != STUDY_NO_REFERENCE) {
 		bool of_numbers = norm->kind == NORM_MEAN || norm->kind == NORM_END || norm->kind == NORM_REACH;
-		if (study->reference.kind != STUDY_FINEST)
-			reference_value = series_value(&reference, norm->kind, norm->level);
-		*error = study->reference.mean && of_numbers ? fabs(*value - reference_value)
-													 : series_error(&own, &reference, norm->kind, norm->level);
+		cut_to(&reference, &own.whole, c);
+		*error = study->reference.mean && of_numbers
+					 ? fabs(*value - reference_value)
+					 : series_error(of_numbers ? &own.part : &own.whole, &reference, norm->kind, norm->level);
 		if (norm->relative)
 			*error *= norm->scale / fabs(reference_value);
 	}
-	series_free(&own);
+	norm_curve_free(&own);
 	series_free(&reference);
 	return status;
 }

@@ -20,6 +20,14 @@ int series_create(struct series *series, int n)
 	return error_set(STATUS_RESOURCE, "out of memory");
 }
 
+int series_copy(struct series *copy, const struct series *series)
+{
+	CHECK(series_create(copy, series->n));
+	memcpy(copy->x, series->x, (size_t)series->n * sizeof *copy->x);
+	memcpy(copy->y, series->y, (size_t)series->n * sizeof *copy->y);
+	return STATUS_OK;
+}
+
 void series_free(struct series *series)
 {
 	free(series->x);

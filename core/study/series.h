@@ -16,6 +16,7 @@ int series_of_table(struct series *series, const struct csv_table *table, const 
 					const char *abscissa, const char *column);
 
 int series_create(struct series *series, int n);
+int series_copy(struct series *copy, const struct series *series);
 void series_free(struct series *series);
 
 /* Keeps what lies within; NAN = no bound.  A bound may be missed by rounding. */
@@ -28,7 +29,8 @@ double series_at(const struct series *series, double x);
  * first x at which y crosses `level`, NAN if it never does. */
 double series_value(const struct series *series, enum study_norm_kind kind, double level);
 
-/* The norm of a - b at the places of b (RMS, MAX), or the difference of their numbers. */
+/* The norm of a - b at the places of b (RMS, MAX), or the difference of their numbers.  For the former `a` had better
+ * reach beyond b: it is interpolated. */
 double series_error(const struct series *a, const struct series *b, enum study_norm_kind kind, double level);
 
 #endif

@@ -259,6 +259,8 @@ static const struct {
 	 "expected one without comma, equals sign and semicolon"},
 	{SCENE NORMS "knobs = ( { name = \"a\"; values = [1]; }, { name = \"a\"; values = [2]; } );",
 	 "knobs has \"a\" twice"},
+	{SCENE NORMS "knobs = ( { name = \"points\"; values = [1]; } );",
+	 "knobs has the name \"points\", a column of study.csv"},
 	{SCENE NORMS "knobs = ( { name = \"a\"; values = 3; } );",
 	 "knobs.[0].values is an integer, expected a list of numbers or strings"},
 	{SCENE KNOBS "norms = ( { name = \"n\"; } );", "norms.[0] has neither column nor points"},
