@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Draws the charts of a study: pipelines/study_chart.py FOLDER...
+"""Draws the charts of a study: pipelines/study_chart.py [--norm NAME]... FOLDER...
 
 FOLDER holds study.csv and study.json as `tmdempm study` writes them.  Of a study of errors: cost.png (error against
 CPU and wall time, Pareto front ringed, gates as lines, bars over seeds) and convergence_KNOB.png (error against a
-knob, with the observed order).  Of a study of stability: map.png.  Each also as .svg.
+knob, with the observed order); of the norms that are named, or of all.  Of a study of stability: map.png.  Each also as .svg.
 Exit code 77: matplotlib is missing.
 """
 import csv
@@ -41,10 +41,12 @@ def plain(text):
 
 
 class Study:
-    def __init__(self, folder):
+    def __init__(self, folder, norms=()):
         self.folder = folder
         with open(os.path.join(folder, "study.json"), encoding="utf-8") as stream:
             self.about = json.load(stream)
+        if norms:
+            self.about["norms"] = [n for n in self.about["norms"] if n["name"] in norms]
         with open(os.path.join(folder, "study.csv"), newline="", encoding="utf-8") as stream:
             rows = list(csv.reader(stream))
         names = [plain(name) for name in rows[0]]
@@ -229,7 +231,7 @@ def cost_panel(ax, study, look, groups, norm, cost):
         ys += [y, y + dy]
     front = pareto(points)
     ax.plot([p[0] for p in front], [p[1] for p in front], color="0.3", linewidth=1.0, zorder=1.5)
-    ax.plot([p[0] for p in front], [p[1] for p in front], linestyle="none", marker="o", markersize=15,
+    ax.plot([p[0] for p in front], [p[1] for p in front], linestyle="none", marker="o", markersize=18,
             markerfacecolor="none", markeredgecolor="0.3", markeredgewidth=0.8, zorder=3)
     draw_gates(ax, norm, ys)
     draw_scatter(ax, study, norm, ys)
@@ -334,6 +336,12 @@ VERDICTS = [("stable", "stable, no guard minds", "#009e73", "o"),
             ("garbage unguarded", "GARBAGE, UNGUARDED", "#c00000", "X")]
 
 
+def unevenness(values):
+    """Widest gap over the narrowest."""
+    gaps = [b - a for a, b in zip(values, values[1:])]
+    return max(gaps) / min(gaps) if gaps else 1.0
+
+
 def map_axis(study, ax, name, which):
     """Places of the knob's choices on an axis."""
     knob = next(k for k in study.about["knobs"] if k["name"] == name)
@@ -341,7 +349,7 @@ def map_axis(study, ax, name, which):
     places = dict(zip(knob["choices"], knob["values"] if numeric else range(len(knob["choices"]))))
     (ax.set_xlabel if which == "x" else ax.set_ylabel)(label_of(knob))
     values = sorted(places.values())
-    if numeric and values[0] > 0 and values[-1] / values[0] > 8:
+    if numeric and values[0] > 0 and unevenness([math.log(v) for v in values]) < unevenness(values):
         (ax.set_xscale if which == "x" else ax.set_yscale)("log")
         set_log_limits(ax, which, values)
     elif not numeric:
@@ -406,11 +414,18 @@ def chart_map(study):
     study.save(figure, "map")
 
 
-def main(folders):
+def main(words):
+    norms, folders = [], []
+    while words:
+        word = words.pop(0)
+        if word == "--norm" and words:
+            norms.append(words.pop(0))
+        else:
+            folders.append(word)
     if not folders:
         sys.exit(__doc__)
     for folder in folders:
-        study = Study(folder.rstrip("/"))
+        study = Study(folder.rstrip("/"), norms)
         if study.about["kind"] == "stability":
             chart_map(study)
             continue

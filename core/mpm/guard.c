@@ -153,8 +153,8 @@ int guard_cohesion(const struct mpm *mpm)
 	where(mpm, point, text);
 	return error_set(
 		STATUS_GUARD,
-		"%s: it shares no node of the grid any more with its neighbour %d at (%.6g, %.6g) m: the grid tears "
-		"the body, not its law; cure: a larger points_per_cell, mpm.shape = \"ugimp\", or "
+		"%s: the grid tears it from its neighbour %d at (%.6g, %.6g) m, not the law: their distance is not what "
+		"their deformation gradients say; cure: a larger points_per_cell, mpm.shape = \"ugimp\", or "
 		"guards.numerical_fracture = false (state: start of the step)",
 		text, mpm->p.id[other], mpm->p.x[other][0], mpm->p.x[other][1]);
 }

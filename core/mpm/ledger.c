@@ -281,6 +281,7 @@ void ledger_start(struct mpm *mpm)
 								 .start_thermal = l.energy_thermal,
 								 .loss_numerical = power_to_come(mpm),
 								 .start_step = (double)mpm->step};
+	w->total.scale = work_scale(&w->total);
 }
 
 void mpm_region(const struct mpm *mpm, const struct scene_region *region, struct mpm_region_values *values)

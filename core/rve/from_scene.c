@@ -41,6 +41,8 @@ int rve_packing_from_scene(struct rve_packing **packing, const struct scene_law_
 		return rve_packing_read(packing, p->file);
 	struct rve_params grains;
 	rve_params_from_scene(&grains, law);
+	grains.step_factor =
+		fmin(grains.step_factor, rve_step_factor_limit(&grains)); /* a study may walk past it, a packing not */
 	const struct rve_packing_params how = {
 		.discs = p->discs,
 		.radius_min = p->radius_min,

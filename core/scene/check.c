@@ -409,24 +409,30 @@ static void check_motion(struct loader *loader, int k)
 	const struct scene_motion *motion = &body->motion;
 	char path[PATH_LENGTH];
 	struct exact_motion start;
+	bool whole = true;
 	if (!motion->solution || !clean_element(loader, "bodies", k))
 		return;
-	for (int i = 0; i < loader->n_points[k]; i++)
+	for (int i = 0; i < loader->n_points[k]; i++) {
 		if (!motion->solution->motion(motion->parameters, loader->points[k][i], 0.0, &start)) {
 			problem_of(loader, path_to(path, "bodies", k, "motion"),
 					   "is not defined at (%g, %g), expected a body inside of it (`tmdempm exact %s`)",
 					   loader->points[k][i][0], loader->points[k][i][1], motion->solution->name);
 			return;
 		}
-	for (int j = -1; motion->force && j < body->n_layers; j++) {
+		whole &= start.F[0] == 1.0 && start.F[1] == 0.0 && start.F[2] == 0.0 && start.F[3] == 1.0;
+	}
+	if (body->velocity[0] != 0.0 || body->velocity[1] != 0.0)
+		problem_of(loader, path_to(path, "bodies", k, "velocity"), "is given with a motion, expected one of the two");
+	for (int j = -1; j < body->n_layers; j++) {
 		int material = j < 0 ? body->material : body->layers[j].material, law = scene->materials[material].law;
-		if (law < 0)
+		if (law < 0 || (!motion->force && whole))
 			continue;
 		if (scene->laws[law].type != SCENE_LAW_THERMOELASTIC)
 			problem_of(loader, path_to(path, "bodies", k, "motion"),
-					   "is imposed on law '%s', expected one of type \"thermoelastic\", or force = false",
-					   scene->laws[law].name);
-		else if (scene->thermal.on && scene->laws[law].thermoelastic.expansion != 0.0)
+					   "%s law '%s', expected one of type \"thermoelastic\", or %s",
+					   whole ? "is imposed on" : "begins with a deformation of", scene->laws[law].name,
+					   whole ? "force = false" : "a motion that begins without");
+		else if (motion->force && scene->thermal.on && scene->laws[law].thermoelastic.expansion != 0.0)
 			problem_of(loader, path_to(path, "bodies", k, "motion"),
 					   "is imposed on law '%s', which expands with heat, expected expansion = 0, or no heat",
 					   scene->laws[law].name);

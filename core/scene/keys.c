@@ -403,7 +403,7 @@ static const struct scene_key guards_keys[] = {
 	 .doc = "share of the work done that may go astray before the run is stopped; 0 = off"},
 	{.name = "points_leaving", .type = KEY_BOOL, AT(scene_guards, points_leaving), .value = "true",
 	 .doc = "a point that leaves the grid stops the run"},
-	{.name = "energy_created", .type = KEY_FLOAT, AT(scene_guards, energy_created), .value = "0.25", .range = RANGE_NOT_NEGATIVE,
+	{.name = "energy_created", .type = KEY_FLOAT, AT(scene_guards, energy_created), .value = "0.75", .range = RANGE_NOT_NEGATIVE,
 	 .doc = "share of the work done that the time integration may make of nothing before the run is stopped; 0 = off"},
 	{.name = "time_step", .type = KEY_BOOL, AT(scene_guards, time_step), .value = "true",
 	 .doc = "a step above the mechanical limit stops the run; false: for studies of stability only"},
@@ -412,7 +412,7 @@ static const struct scene_key guards_keys[] = {
 	{.name = "dem_step", .type = KEY_BOOL, AT(scene_guards, dem_step), .value = "true",
 	 .doc = "a DEM step above its limit is refused, an RVE whose discs jitter stops the run; false: for studies of stability only"},
 	{.name = "numerical_fracture", .type = KEY_BOOL, AT(scene_guards, numerical_fracture), .value = "true",
-	 .doc = "neighbours of an elastic body that share no node of the grid any more stop the run; false: for studies of stability only"},
+	 .doc = "neighbours of an elastic body that the grid tears apart, not the law, stop the run; false: for studies of stability only"},
 	END};
 
 /* ---- the whole ---- */

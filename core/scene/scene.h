@@ -295,11 +295,11 @@ struct scene_image {
 
 struct scene_guards {
 	double energy_residual; /* share of the work done that the residual may reach; 0 = off; default 0.1 */
-	double energy_created;  /* share of the work done that the time integration may make of nothing; 0 = off; default 0.25 */
+	double energy_created;  /* share of the work done that the time integration may make of nothing; 0 = off; default 0.75 */
 	bool points_leaving;    /* true: a point leaving the grid stops the run */
 	bool time_step, thermal_step; /* true: steps above the limits of mechanics and heat conduction stop the run */
 	bool dem_step;          /* true: a DEM step above its limit is refused, an RVE whose discs jitter stops the run */
-	bool numerical_fracture; /* true: neighbours of an elastic body that share no node any more stop the run */
+	bool numerical_fracture; /* true: neighbours of an elastic body that the grid tears apart stop the run */
 };
 
 struct scene {

@@ -145,6 +145,23 @@ with Folder() as f:
     said = study(f, "--no-charts", code=3)
     expect("T could not be had" in said.stderr and "guard" in said.stderr, said.stderr)
 
+# Stability: everything with and without guards; the slow wall is stable, the fast one drives points out of the grid.
+with Folder() as f:
+    f.write("bar.cfg", BAR)
+    f.write("bar_study.cfg", """
+        kind = "stability";
+        scene = { file = "bar.cfg"; set = ("boundaries.sides.velocity_x=$(speed)"); };
+        knobs = ( { name = "speed"; unit = "m/s"; values = [0, 40]; } );
+        guards_off = ("guards.points_leaving=false", "guards.energy_residual=0");
+        map = ("speed");
+        norms = ( { name = "x"; kind = "max"; column = "A.position_x"; unit = "m"; garbage = 2.0; } );
+        curves = ( { label = "a cell per step"; y = "0.08/2e-3"; } );""")
+    said = study(f)
+    verdicts = {(row["speed"], row["guards"]): row["verdict"] for row in rows(f)}
+    expect(verdicts == {("0", "on"): "stable", ("0", "off"): "stable", ("40", "on"): "guarded", ("40", "off"): "guarded"}, str(rows(f)))
+    if "no charts" not in said.stderr:
+        expect(os.path.getsize(f("out", "bar_study", "map.png")) > 5000, "map.png")
+
 # Mistakes are told with file and line before anything is run.
 with Folder() as f:
     write(f)

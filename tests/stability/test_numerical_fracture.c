@@ -1,11 +1,14 @@
-/* Numerical fracture: a bar pulled apart on the grid, at what stretch do neighbours share no node any more?
+/* Numerical fracture: a bar pulled apart on the grid, at what stretch do neighbours share no node any more, and when is
+ * the force between them lost?
  *
  * Theory.  With s points in a row of a cell the neighbours of a bar stretched by L lie L/s cells apart.  A point
  * touches the nodes less than 1 + l cells away (linear l = 0, uGIMP l = 1/2s).  Two points share a node for sure while
  * they are no further apart than (1 + 2 l) cells, which is L = s (1 + 2 l): linear s, uGIMP s + 1; wherever they lie
- * they share none from 2 (1 + l) cells on: L = 2 s (1 + l): linear 2 s, uGIMP 2 s + 1.  So the first pair of a long bar
- * parts a little above the first value (for the linear shape with 1 point per cell: at any stretch), and the guard
- * fires there: within its 8 steps, before any stress is wrong.
+ * they share none from 2 (1 + l) cells on: L = 2 s (1 + l): linear 2 s, uGIMP 2 s + 1.  A bar that is pulled on the
+ * grid fails before: gaps between the domains of stretched points break the balance of a uniform stress, and the
+ * stretch gathers in a few pairs (core/mpm/cohesion.c).  Bound: the guard fires before a third of the stored energy is
+ * lost (with the linear shape and 4 points per cell later, before 45%: its pairs slacken for a long time), and it does
+ * not in a block that turns.
  *
  * What flows parts and meets others: a law that is not cohesive is not watched. */
 #include <math.h>
@@ -114,14 +117,74 @@ static void test_pulled_apart(void **state)
 		if (guard) {
 			print_message("    %s\n", error_message());
 			assert_int_equal(status, STATUS_GUARD);
-			assert_non_null(strstr(error_message(), "shares no node"));
+			assert_non_null(strstr(error_message(), "the grid tears it from its neighbour"));
 			assert_non_null(strstr(error_message(), "cure: "));
-			assert_true(mpm->time * 0.5 + 1.0 >= 2.95 && mpm->time * 0.5 + 1.0 < 3.4);
+			assert_true(mpm->time * 0.5 + 1.0 < 3.4);
 		} else {
 			assert_int_equal(status, STATUS_OK);
 		}
 		mpm_free(mpm);
 	}
+}
+
+/* A bar of 6 cells between two heavy blocks, one of which moves away at v.  MUSL: the linear shape has no safe step
+ * with USL. */
+static struct scene *gripped_bar(struct elastic_scene *s, const char *shape, int side, double v)
+{
+	struct scene *scene = elastic_scene_init(s, 24, 5, 1.0, 1.0, 0.0, 1.0, 0.25);
+	snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "%s", shape);
+	scene->mpm.order = MPM_MUSL;
+	scene->mpm.pic_fraction = 0.02;
+	scene->n_laws = scene->n_materials = 2;
+	s->laws[1].thermoelastic.young = 1e5, s->materials[1].density = 1e6;
+	s->laws[0].thermoelastic.neo_hookean = s->laws[1].thermoelastic.neo_hookean = true;
+	elastic_scene_box(s, side * side, 4.0, 2.0, 10.0, 3.0);
+	elastic_scene_box(s, 4, 2.0, 2.0, 4.0, 3.0)->material = 1;
+	struct scene_body *pulled = elastic_scene_box(s, 4, 10.0, 2.0, 12.0, 3.0);
+	pulled->material = 1, pulled->velocity[0] = v;
+	return scene;
+}
+
+/* Pulls until the run stops, the stretch is 3, or half of the energy is lost; the stretch and the share of the
+ * energy of a bar of that stretch, 6 (0.25 (L^2 - 1) - 0.5 ln L), at the end. */
+static int pull(const char *shape, int side, bool guard, double *L, double *share)
+{
+	struct elastic_scene s;
+	const double v = 0.04;
+	struct scene *scene = gripped_bar(&s, shape, side, v);
+	scene->guards.numerical_fracture = guard;
+	struct mpm *mpm = start(scene);
+	int status = STATUS_OK;
+	*L = 1.0, *share = 1.0;
+	while (*L < 3.0 && status == STATUS_OK && *share > 0.5) {
+		status = mpm_step(mpm);
+		*L = 1.0 + v * mpm->time / 6.0;
+		if (mpm->step % 8 != 0 || *L < 1.08)
+			continue;
+		mpm_measure(mpm);
+		*share = mpm->ledger.energy_elastic / (6.0 * (0.25 * (*L * *L - 1.0) - 0.5 * log(*L)));
+	}
+	mpm_free(mpm);
+	return status;
+}
+
+/* Without the guard the energy is lost; with it the run has stopped before. */
+static void test_energy_of_a_pulled_bar(void **state)
+{
+	(void)state;
+	print_message("  pulled bar: shape, points per cell: half of the energy lost at a stretch of; guard at\n");
+	for (int linear = 0; linear < 2; linear++)
+		for (int side = 1; side <= 4; side++) {
+			const char *shape = linear ? "linear" : "ugimp";
+			double lost, fired, share;
+			assert_int_equal(pull(shape, side, false, &lost, &share), STATUS_OK);
+			assert_true(share < 0.5);
+			int status = pull(shape, side, true, &fired, &share);
+			print_message("    %-6s %2d: %.2f; %.2f, with %.2f of the energy\n", shape, side * side, lost, fired,
+						  share);
+			assert_int_equal(status, STATUS_GUARD);
+			assert_true(share > (linear && side == 2 ? 0.55 : 2.0 / 3.0)); /* linear, 4: late */
+		}
 }
 
 /* A block that turns, falls and is sheared keeps its neighbours; one that is not watched may lose them. */
@@ -145,6 +208,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_stretch),
 		cmocka_unit_test(test_pulled_apart),
+		cmocka_unit_test(test_energy_of_a_pulled_bar),
 		cmocka_unit_test(test_does_not_fire),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

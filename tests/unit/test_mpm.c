@@ -20,7 +20,8 @@ static void test_mass_and_momentum(void **state)
 		struct scene *scene = elastic_scene_init(&s, 24, 12, 0.1, 1e5, 0.3, 1000.0, 1e-3);
 		if (linear)
 			snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "linear");
-		scene->guards.time_step = false; /* both hold in a step that is not stable, too */
+		/* both hold in a step that is not stable, and in blocks that the grid tears */
+		scene->guards.time_step = scene->guards.numerical_fracture = false;
 		/* with linear functions corner points are stretched to 3.6: more than the Hencky law allows */
 		s.laws[0].thermoelastic.neo_hookean = linear;
 		elastic_scene_box(&s, 4, 0.33, 0.31, 0.9, 0.8)->velocity[0] = 1.0;

@@ -68,6 +68,11 @@ static const struct {
 	{"cell = 0.1;", "cell = 0.1; /* and so on", "a comment is not closed, expected '*/'"},
 	{"cell = 0.1;", "cell = 0.1; \x01", "byte 0x01 has no meaning here"},
 	{"(\"ground\")", "(\"ground\",)", "',' before ')', expected a value or no comma"},
+	{"temperature = 25;", "velocity = [1, 0]; motion = { solution = \"periodic\"; };",
+	 "bodies.[0].velocity is given with a motion, expected one of the two"},
+	{"[1.4, 0.7]); }",
+	 "[1.4, 0.7]); motion = { solution = \"periodic\"; parameters = (\"phase_x=1\"); force = false; }; }",
+	 "bodies.[1].motion begins with a deformation of law 'g', expected one of type"},
 	{"[1.4, 0.7]); }", "[1.4, 0.7]); motion = { solution = \"periodic\"; }; }",
 	 "bodies.[1].motion is imposed on law 'g', expected one of type \"thermoelastic\", or force = false"},
 	/* keys and types */

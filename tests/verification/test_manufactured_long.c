@@ -1,0 +1,4 @@
+/* labels: long */
+/* timeout: 900 */
+#define FINE
+#include "manufactured.h"
