@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* strchrnul */
+#define _GNU_SOURCE /* asprintf */
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,12 +1,10 @@
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/error.h"
 #include "base/expression.h"
 #include "study/private.h"
-#include "version.h"
 
 /* ---- selections ---- */
 

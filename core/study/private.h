@@ -106,7 +106,6 @@ struct study_scene {
 	char file[SCENE_PATH]; /* "" = none */
 	struct study_texts set;
 	int threads;
-	bool pictures;
 };
 
 struct study {
