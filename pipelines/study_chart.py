@@ -11,6 +11,7 @@ import json
 import math
 import os
 import sys
+import textwrap
 
 try:
     import matplotlib
@@ -208,7 +209,7 @@ def draw_scatter(ax, study, norm, values):
     if scatter > 0:
         ax.axhspan(1e-300, scatter, color="0.93", zorder=0)
         ax.annotate("seed-to-seed scatter", (0.0, scatter), xycoords=("axes fraction", "data"), xytext=(3, -2),
-                    textcoords="offset points", va="top", color="0.4", fontsize=7, zorder=5,
+                    textcoords="offset points", va="top", color="0.4", fontsize=7, zorder=1.2,
                     bbox={"facecolor": "0.93", "edgecolor": "none", "pad": 0.8})
         values.append(scatter)
 
@@ -298,7 +299,7 @@ def chart_against(study, name):
             if not math.isnan(order):
                 what += "  (order %.2f)" % order
             ax.errorbar([p[0] for p in line], [p[1] for p in line],
-                        yerr=[[min(p[2], 0.9 * p[1]) for p in line], [p[2] for p in line]], capsize=2, linewidth=1.2,
+                        yerr=[[min(p[2], 0.9 * p[1]) for p in line], [p[2] for p in line]], capsize=2, linewidth=1.2, linestyle="-" if numeric else "none",
                         color=COLOURS[k % len(COLOURS)], marker=MARKERS[k % len(MARKERS)],
                         markersize=max(9.0 - 1.5 * k, 4.0), label=what)  # of lines that coincide all show
             xs += [p[0] for p in line]
@@ -312,10 +313,11 @@ def chart_against(study, name):
             set_log_limits(ax, "x", xs)
         else:
             ax.set_xticks(range(len(knob["choices"])))
-            ax.set_xticklabels([text_of(knob, c) for c in knob["choices"]])
+            ax.set_xticklabels([textwrap.fill(text_of(knob, c), 12) for c in knob["choices"]])
         ax.set_ylabel("error: " + label_of(norm))
         ax.set_xlabel(label_of(knob) if i + 1 == len(norms) else "")
-        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+        if len(lines) > 1 or numeric:
+            ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     finish(study, figure, [])
     study.save(figure, "convergence_" + name)
 

@@ -32,10 +32,10 @@
 #include "mpm/mpm_private.h"
 
 enum {
-	LIMIT_STEPS = 8, /* between two looks while all is well */
+	LIMIT_STEPS = 16, /* between two looks while all is well */
 	LIMIT_SWEEPS = 5 /* at most, for a sharper bound */
 };
-static const double WATCH = 1.6; /* from this X on every step is looked at */
+static const double WATCH = 2.0; /* from this X on every step is looked at */
 
 #define INLINE static inline __attribute__((always_inline))
 
