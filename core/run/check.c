@@ -103,6 +103,9 @@ static void check_step(const struct mpm *mpm)
 		   100 * scene->time.step / mechanical, mechanical);
 	printf("           set by point %d: P-wave modulus %.3g Pa, %g h sqrt(rho/M)\n", p->id[stiff], p->modulus[stiff],
 		   scene->time.step_factor);
+	if (isfinite(mpm->lattice_limit))
+		printf("           %.1f %% of the limit of the points as they lie in their grid cells, %.3g s\n",
+			   100 * scene->time.step / mpm->lattice_limit, mpm->lattice_limit);
 	if (mpm->thermal && isfinite(mpm->thermal_limit))
 		printf("           thermal step %.3g s, %.1f %% of its limit (rho c h^2 / 2k, less what convection takes)\n",
 			   thermal_step, 100 * scene->time.step / mpm->thermal_limit);

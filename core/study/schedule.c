@@ -67,22 +67,11 @@ static void fail(struct schedule *s, int status)
 
 static bool is_missing(const struct combination *c) { return c->result.outcome == OUTCOME_NONE; }
 
-/* Two combinations may come to the same scene: one run serves both. */
-static bool is_running(const struct schedule *s, const struct combination *c)
-{
-	for (int k = 0; k < s->n_running; k++)
-		if (!strcmp(s->plan->combinations[s->running[k].combination].hash, c->hash))
-			return true;
-	return false;
-}
-
 static void start_next(struct schedule *s)
 {
 	while (!s->stopping && s->n_running < s->jobs && s->next < s->plan->n) {
 		struct combination *c = &s->plan->combinations[s->next];
 		struct running *run = &s->running[s->n_running];
-		if (is_missing(c) && is_running(s, c))
-			return;
 		s->next++;
 		if (!is_missing(c) || job_recall(c))
 			continue;
