@@ -67,7 +67,8 @@ def studies(f):
 def tests(f):
     """tests/run leaves the long ones out unless tests are chosen."""
     program(f("bin", "ctest"))
-    usual = ["setup: --tests --preset release", "ctest: --test-dir %s --output-on-failure" % f("tree", "build")]
+    usual = ["setup: --tests --preset release", "ctest: --test-dir %s --output-on-failure --parallel %d"
+             % (f("tree", "build"), len(os.sched_getaffinity(0)))]
     for options, choice in (([], "-LE long|gui|device"), (["-j", "2"], "-LE long|gui|device -j 2"), (["-L", "long"], "-L long"),
                             (["-R", "mpm"], "-R mpm")):
         said, _ = script(f, "tests/run", *options)
