@@ -8,8 +8,8 @@
  * 2. Cell crossing (canonical: L = 25, E = 100, rho = 1, v0 = 0.75 sin(pi x/2L), so that points move by 1.2 cells;
  * MUSL): sigma(X, t) = v0 sqrt(E rho) cos(pi X/2L) sin(c pi t/2L).  With the linear shape the gradient of a point jumps
  * from +1/h to -1/h as it crosses, and its force sigma V/h goes to another node: an error of the order of the stress.
- *    Bound: uGIMP with 4 points per cell within 7% of the largest stress (RMS), linear beyond three times that.  No guard: nothing diverges; a
- *    run of the linear shape in which points have crossed ends with a warning.
+ *    Bound: uGIMP with 4 points per cell within 7% of the largest stress (RMS), linear beyond three times that.  No
+ * guard: nothing diverges; a run of the linear shape in which points have crossed ends with a warning.
  * 3. Points have more velocities than nodes.  What of them the nodes do not see, v - S v_I, FLIP keeps for ever, a
  * share a of PIC leaves (1 - a)^n, XPIC(m) and APIC nothing.  Under FLIP it grows with the motion.
  * 4. PIC is a viscosity nu = a h^2/dt (1/6 + l^2/3) (uGIMP, half the domain l h: the second moment of the weights there
