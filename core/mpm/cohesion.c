@@ -22,7 +22,7 @@ static const double GAP_MOST = 0.2;
 
 struct lattice_place {
 	long i, j;
-	int body; /* -1 = not watched */
+	int body;
 };
 
 static bool before(const struct lattice_place *a, const struct lattice_place *b)
@@ -40,8 +40,8 @@ static void find_neighbours(int n, const struct lattice_place *at, int (*neighbo
 			up++;
 		bool right = id + 1 < n && at[id + 1].body == a->body && at[id + 1].j == a->j && at[id + 1].i == a->i + 1;
 		bool upper = up < n && at[up].body == a->body && at[up].j == above.j && at[up].i == a->i;
-		neighbours[id][0] = a->body >= 0 && right ? id + 1 : -1;
-		neighbours[id][1] = a->body >= 0 && upper ? up : -1;
+		neighbours[id][0] = right ? id + 1 : -1;
+		neighbours[id][1] = upper ? up : -1;
 	}
 }
 
