@@ -7,9 +7,10 @@
 #include "run/run_private.h"
 
 struct path {
-	int id;      /* of the point */
-	int point;   /* where it lay last: storage is sorted now and then */
-	bool bonded; /* its law has bonds: rows say the absolute temperature, and when they are installed */
+	int id;       /* of the point */
+	int point;    /* where it lay last: storage is sorted now and then */
+	bool bonded;  /* its law has bonds: rows say the absolute temperature, and when they are installed */
+	double dT, T; /* K, of the point at the end of the last step: what USF's law sees in the next one */
 	struct csv_writer *csv;
 };
 
@@ -61,12 +62,18 @@ static int path_row(struct path *path, const struct mpm *mpm, const double L[4],
 	return csv_end_row(path->csv);
 }
 
+static void path_keep(struct path *path, const struct mpm *mpm)
+{
+	path->dT = mpm->p.dT[path->point], path->T = mpm->p.T_smooth[path->point];
+}
+
 /* A new one begins with what the law was told before the first step. */
 static int path_open(struct path *path, const struct mpm *mpm, const char *file, bool append)
 {
 	static const double rest[4] = {0};
 	double warming = mpm_start_warming(mpm, path->id);
 	static const char *const names[] = {"duration", "L11", "L12", "L21", "L22", "dT", "T", "bonds"};
+	path_keep(path, mpm);
 	CHECK(csv_open(&path->csv, file, append));
 	if (append)
 		return STATUS_OK;
@@ -132,8 +139,10 @@ int paths_record(struct paths *paths)
 		struct path *path = &paths->paths[i];
 		if (mpm->p.id[path->point] != path->id)
 			path->point = mpm_point_by_id(mpm, path->id);
-		CHECK(path_row(path, mpm, mpm->p.L[path->point], mpm->p.dT[path->point], mpm->p.T_smooth[path->point],
-					   mpm->bonds_installed));
+		if (mpm->scene->mpm.order != MPM_USF)
+			path_keep(path, mpm);
+		CHECK(path_row(path, mpm, mpm->p.L[path->point], path->dT, path->T, mpm->bonds_installed));
+		path_keep(path, mpm);
 	}
 	return STATUS_OK;
 }

@@ -66,5 +66,8 @@ with Folder() as f:
     replayed(f, cfg, "--set", "materials.[0].law.strain_per_step=2e-5", "--set", "materials.[0].law.mu=0.3")
     # a body that is born warmer than its reference: the path begins with that
     replayed(f, cfg, "--set", "materials.[0].reference_temperature=15.0", before=1)
+    # stress first: the law sees the warming of the step before
+    warm = ["--set", "materials.[0].conductivity=6e4", "--set", "materials.[0].law.expansion=1e-4", "--set", "walls.[0].temperature=40.0"]
+    replayed(f, cfg, "--set", "mpm.order=usf", *warm)
     laws(f, cfg)
     bonds(f)
