@@ -110,7 +110,7 @@ static void check_step(const struct mpm *mpm)
 		printf("           thermal step %.3g s, %.1f %% of its limit (rho c h^2 / 2k, less what convection takes)\n",
 			   thermal_step, 100 * scene->time.step / mpm->thermal_limit);
 	if (scene->time.step > mechanical || (mpm->thermal && scene->time.step > mpm->thermal_limit))
-		printf("           OVER THE LIMIT: the run would stop at once\n");
+		printf("           OVER THE LIMIT, which guards.time_step or thermal_step = false lets pass\n");
 }
 
 /* Runs the first steps in memory for a moment, then scales. */
