@@ -33,10 +33,9 @@ static void find_limits(const struct mpm *mpm, double *wave, int *stiffest, doub
 }
 
 /* What is left when a guard fires on the way to the grid: USF has already strained the points. */
-static const char *state_at(const struct mpm *mpm, int status)
+static const char *state_at(const struct mpm *mpm)
 {
-	return mpm->scene->mpm.order == MPM_USF && status == STATUS_GUARD ? "within the step, not fit to go on from"
-																	  : "start of the step";
+	return mpm->within_step ? "within the step, not fit to go on from" : "start of the step";
 }
 
 /* Where a shape has a bound for lone points its limit follows the points slowly, and a scene that begins above it is
@@ -54,7 +53,7 @@ static int guard_motion(const struct mpm *mpm, int status, double wave, int stif
 			status,
 			"%s: time.step = %.4g s is above the limit %.4g s = %g h sqrt(rho/M) with M = %.4g Pa, rho = %.4g "
 			"kg/m3; cure: time.step of %.2g s or less, or a larger grid.cell (state: %s)",
-			text, dt, wave, b, p->modulus[stiffest], density, fmin(wave, lattice), state_at(mpm, status));
+			text, dt, wave, b, p->modulus[stiffest], density, fmin(wave, lattice), state_at(mpm));
 	}
 	bool bounded = isfinite(mpm->shape->lone(0.25)), starts = status == STATUS_INPUT;
 	if (starts ? bounded && w->limit.motion > 2.0 : w->limit.growth > log(GROWTH_MOST)) {
@@ -66,7 +65,7 @@ static int guard_motion(const struct mpm *mpm, int status, double wave, int stif
 						 bounded ? "that time.step or less, or a larger grid.cell"
 								 : "mpm.shape = \"ugimp\": the linear shape has no safe step for a point that has just "
 								   "entered a grid cell",
-						 state_at(mpm, status));
+						 state_at(mpm));
 	}
 	return STATUS_OK;
 }
@@ -85,7 +84,7 @@ static int guard_heat(const struct mpm *mpm, int status, double heat, int diffus
 			text, dt, heat,
 			mpm_convection_as_conduction(mpm, diffusive, 1.0) > 0.0 ? ", less what convection takes" : "", passes,
 			mpm->scene->time.thermal_every, mpm->scene->thermal.time_scale, heat, (int)ceil(dt / heat * passes),
-			state_at(mpm, status));
+			state_at(mpm));
 	}
 	if (passes > 1.0 && w->limit.heat > 2.0) {
 		where(mpm, w->limit.hottest, text);
@@ -93,7 +92,7 @@ static int guard_heat(const struct mpm *mpm, int status, double heat, int diffus
 			status,
 			"%s: time.thermal_steps = %g are too few for heat conduction on the points as they lie in their "
 			"grid cells; cure: time.thermal_steps = %d, or a smaller time.step (state: %s)",
-			text, passes, (int)ceil(0.5 * w->limit.heat * passes), state_at(mpm, status));
+			text, passes, (int)ceil(0.5 * w->limit.heat * passes), state_at(mpm));
 	}
 	return STATUS_OK;
 }
@@ -102,7 +101,7 @@ int guard_step(struct mpm *mpm, int status)
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	char text[160];
-	const char *state = state_at(mpm, status);
+	const char *state = state_at(mpm);
 	for (int s = 0; s < w->n_stripes; s++)
 		if (w->stripe_sums[s].bad >= 0) {
 			where(mpm, w->stripe_sums[s].bad, text);
@@ -112,13 +111,11 @@ int guard_step(struct mpm *mpm, int status)
 				"the law's parameters (state: %s)",
 				text, state);
 		}
-	double wave, heat, dt = mpm->scene->time.step;
+	double wave, heat;
 	int stiffest, diffusive;
 	find_limits(mpm, &wave, &stiffest, &heat, &diffusive);
 	if (w->thermal_dt > 0.0)
 		mpm->thermal_limit = heat;
-	if (w->limit.motion > 0.0)
-		mpm->lattice_limit = dt * sqrt(2.0 / w->limit.motion);
 	mpm->stable_step = fmin(wave, mpm->thermal ? mpm->thermal_limit : INFINITY);
 	if (mpm->scene->guards.time_step)
 		CHECK(guard_motion(mpm, status, wave, stiffest));
@@ -207,7 +204,8 @@ int guard_energy(struct mpm *mpm)
 	double created = w->total.loss_most - loss;
 	if (!(bound > 0.0) || created <= bound * (w->total.scale + fabs(mpm->ledger.work_expansion)))
 		return STATUS_OK;
-	mpm_measure(mpm); /* the work of thermal expansion as it is now */
+	mpm_measure(mpm);              /* the work of thermal expansion as it is now */
+	w->residual_message[0] = '\0'; /* which is judged between steps: USF is within one here */
 	double scale = w->total.scale + fabs(mpm->ledger.work_expansion);
 	if (created <= bound * scale)
 		return STATUS_OK;
@@ -215,7 +213,7 @@ int guard_energy(struct mpm *mpm)
 		STATUS_GUARD,
 		"step %lld, t = %.6g s: the time integration has made %.3g J of nothing, %.3g%% of the work done (%.3g J), "
 		"allowed %.3g%%: it is unstable; cure: a smaller time.step, or guards.energy_created (state: %s)",
-		mpm->step, mpm->time, created, 100.0 * created / scale, scale, 100.0 * bound, state_at(mpm, STATUS_GUARD));
+		mpm->step, mpm->time, created, 100.0 * created / scale, scale, 100.0 * bound, state_at(mpm));
 }
 
 int guard_law(const struct mpm *mpm, int status, int point)

@@ -280,7 +280,8 @@ void ledger_start(struct mpm *mpm)
 								 .start_gravity = l.energy_gravity,
 								 .start_thermal = l.energy_thermal,
 								 .loss_numerical = power_to_come(mpm),
-								 .start_step = (double)mpm->step};
+								 .start_step = (double)mpm->step,
+								 .limit_watched = w->total.limit_watched};
 	w->total.scale = work_scale(&w->total);
 }
 

@@ -33,7 +33,7 @@
 
 enum {
 	LIMIT_STEPS = 16, /* between two looks while all is well */
-	LIMIT_SWEEPS = 5 /* at most, for a sharper bound */
+	LIMIT_SWEEPS = 5  /* at most, for a sharper bound */
 };
 static const double WATCH = 2.0; /* from this X on every step is looked at */
 
@@ -249,5 +249,7 @@ void limit_look(struct mpm *mpm)
 		w->limit = sweep(mpm, w);
 	w->limit.heat = heat, w->limit.hottest = hottest;
 	grow(mpm, w);
+	if (w->limit.motion > 0.0)
+		mpm->lattice_limit = mpm->dt * sqrt(2.0 / w->limit.motion);
 	w->total.limit_watched = w->limit.motion > WATCH ? 1.0 : 0.0;
 }

@@ -90,6 +90,7 @@ int mpm_step(struct mpm *mpm)
 	CHECK(guard_cohesion(mpm));
 
 	if (order == MPM_USF) {
+		mpm->within_step = true;
 		mpm_strain_points(mpm);
 		CHECK(update_stress(mpm));
 	}
@@ -99,6 +100,7 @@ int mpm_step(struct mpm *mpm)
 		limit_look(mpm);
 	CHECK(guard_step(mpm, STATUS_GUARD));
 	CHECK(guard_energy(mpm));
+	mpm->within_step = true;
 	if (w->body_force)
 		motion_forces(mpm);
 	mpm_integrate_nodes(mpm);
@@ -120,6 +122,7 @@ int mpm_step(struct mpm *mpm)
 	if (order != MPM_USF)
 		CHECK(update_stress(mpm));
 	stage_end_step(mpm);
+	mpm->within_step = false;
 	if (mpm->scene->guards.energy_residual > 0.0 && mpm->step % RESIDUAL_STEPS == 0)
 		mpm_measure(mpm);
 	mpm->mpm_time_ns += now_ns() - start - (mpm->law_time_ns - law_before);
@@ -421,6 +424,9 @@ static int create_all(struct mpm *mpm)
 	int status = guard_step(mpm, STATUS_INPUT);
 	if (status != STATUS_OK)
 		return error_context(status, "%s: time.step", scene->path);
+	/* that look was no step: nothing has grown, and a restart's last look was another one */
+	memset(mpm->p.growth, 0, (size_t)mpm->p.n * sizeof *mpm->p.growth);
+	mpm_work(mpm)->limit.growth = 0.0;
 	mpm_clear_grid(mpm);
 	ledger_start(mpm);
 	mpm_measure(mpm);
@@ -547,6 +553,7 @@ int mpm_restored(struct mpm *mpm)
 						 mpm->step, mpm->stage);
 	w->boundaries_stale = true;
 	w->residual_message[0] = '\0';
+	mpm->within_step = false;
 	CHECK(grid_place(mpm));
 	walls_update(mpm);
 	boundaries_update(mpm);

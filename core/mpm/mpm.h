@@ -76,6 +76,7 @@ struct mpm {
 	int stage;                 /* index of the current stage */
 	double stage_start;        /* s */
 	bool bonds_installed;      /* by the stage that ended with the last step */
+	bool within_step;          /* a step has begun to change the points and has not come to its end */
 	struct mpm_wall_sums *walls; /* one for each scene wall */
 	double (*wall_offset)[2];  /* m, how far each wall has moved */
 	struct mpm_ledger ledger;  /* filled by mpm_measure(), which a step calls now and then to judge the residual */

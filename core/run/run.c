@@ -82,8 +82,9 @@ static bool run_is_finite(const struct mpm *mpm)
 
 /* A guard stopped the run: the state is kept where it can be of use; the message is the guard's.  In the middle
  * of a step the last checkpoint stays what a restart, with other guards, goes on from. */
-static int run_guarded(struct run *run, bool whole)
+static int run_guarded(struct run *run)
 {
+	bool whole = !run->mpm->within_step;
 	char message[2048];
 	snprintf(message, sizeof message, "%s", error_message());
 	if (!run_is_finite(run->mpm))
@@ -103,10 +104,9 @@ static int run_loop(struct run *run)
 	if (mpm->step == 0)
 		CHECK(run_output(run, run->last_step == 0));
 	while (mpm->step < run->last_step && !signals_stop()) {
-		long long before = mpm->step;
 		int status = mpm_step(mpm);
 		if (status == STATUS_GUARD)
-			return run_guarded(run, mpm->step == before);
+			return run_guarded(run);
 		CHECK(status);
 		CHECK(paths_record(run->paths));
 		CHECK(run_output(run, mpm->step == run->last_step));

@@ -80,9 +80,26 @@ def guarded(f, cfg):
     same_file(checkpoint.replace("checkpoint.h5", "history.csv"), f("free", "history.csv"), "histories")
 
 
+def guarded_within(f, cfg):
+    """With USF a step's guards may fire when points have strained already: that is no state to go on from."""
+    out = f("within")
+    scene = [cfg, "--set", "mpm.order=usf", "--set", "materials.[0].law.young=2e4", "--set", "gravity.[1]=-500",
+             "--set", "output.checkpoint_every=0.002"]
+    said = tmdempm("run", *scene, "--out", out, code=3).stderr
+    expect("within the step" in said, said)
+    said = tmdempm("run", *scene, "--restart", os.path.join(out, "guard.h5"), code=2).stderr
+    expect("in the middle of a step" in said, said)
+    end = column(out, "time [s]")[-1]
+    whole = ["--until", end - 0.5e-4]
+    tmdempm("run", *scene, "--restart", os.path.join(out, "checkpoint.h5"), *whole)
+    tmdempm("run", *scene, "--out", f("straight"), *whole)
+    same_file(os.path.join(out, "checkpoint.h5"), f("straight", "checkpoint.h5"), "checkpoints")
+
+
 with Folder() as f:
     cfg = f.write("s.cfg", BLOCK)
     stopped(f, cfg, signal.SIGINT, "int")
     stopped(f, cfg, signal.SIGTERM, "term")
     saved(f, cfg)
     guarded(f, cfg)
+    guarded_within(f, cfg)

@@ -219,6 +219,31 @@ static void test_step_limit(void **state)
 	mpm_free(mpm);
 }
 
+/* The limit of the points' places is that of the last look, also where a restart or zero_ledger lies between. */
+static void test_last_look(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct mpm *mpm = start(falling_block(&s, 1e4));
+	mpm->lattice_limit = 123.0; /* of another place, as a checkpoint brings it */
+	steps(mpm, 1);
+	assert_near(mpm->lattice_limit, 123.0, 0.0);
+	mpm_work(mpm)->total.limit_watched = 1.0;
+	ledger_start(mpm);
+	assert_near(mpm_work(mpm)->total.limit_watched, 1.0, 0.0);
+	steps(mpm, 1);
+	mpm_free(mpm);
+	/* the look at birth is no step: points that just reach into a cell know no limit, but nothing has grown */
+	struct scene *scene = elastic_scene_init(&s, 20, 20, 0.1, 1e6, 0.2, 1000.0, 1e-3);
+	snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "linear");
+	elastic_scene_box(&s, 4, 0.5, 0.5, 1.11, 1.0)->lattice_origin[0] = 0.025001;
+	mpm = start(scene);
+	assert_true(mpm_work(mpm)->limit.motion > 2.0);
+	for (int k = 0; k < mpm->p.n; k++)
+		assert_near(mpm->p.growth[k], 0.0, 0.0);
+	mpm_free(mpm);
+}
+
 static void test_thermal_limit(void **state)
 {
 	(void)state;
@@ -299,7 +324,28 @@ static void test_law_guard(void **state)
 	assert_int_equal(mpm_step(mpm), STATUS_GUARD);
 	assert_says("point 23 at");
 	assert_says("inside out");
+	assert_true(mpm->within_step);
 	mpm_free(mpm);
+}
+
+/* A guard on the way to the grid leaves a state to go on from, but not with USF, which has strained the points. */
+static void test_within_step(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct scene *scene = falling_block(&s, 1e6);
+	for (int usf = 0; usf < 2; usf++) {
+		scene->time.step = 1e-3;
+		scene->mpm.order = usf ? MPM_USF : MPM_USL;
+		struct mpm *mpm = start(scene);
+		steps(mpm, 3);
+		assert_false(mpm->within_step);
+		scene->time.step = 0.01;
+		assert_int_equal(mpm_step(mpm), STATUS_GUARD);
+		assert_says(usf ? "state: within the step" : "state: start of the step");
+		assert_int_equal(mpm->within_step, usf);
+		mpm_free(mpm);
+	}
 }
 
 static double largest_stretch(const struct mpm *mpm)
@@ -447,9 +493,10 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_threads),           cmocka_unit_test(test_restart),
-		cmocka_unit_test(test_step_limit),        cmocka_unit_test(test_thermal_limit),
-		cmocka_unit_test(test_leaving),           cmocka_unit_test(test_not_a_number),
-		cmocka_unit_test(test_law_guard),         cmocka_unit_test(test_planted_error),
+		cmocka_unit_test(test_step_limit),        cmocka_unit_test(test_last_look),
+		cmocka_unit_test(test_thermal_limit),     cmocka_unit_test(test_leaving),
+		cmocka_unit_test(test_not_a_number),      cmocka_unit_test(test_law_guard),
+		cmocka_unit_test(test_within_step),       cmocka_unit_test(test_planted_error),
 		cmocka_unit_test(test_point_in_wall),     cmocka_unit_test(test_stages),
 		cmocka_unit_test(test_stretched_too_far), cmocka_unit_test(test_ledger_begins_loaded),
 	};
