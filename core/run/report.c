@@ -151,18 +151,13 @@ static void report_fill(struct json *json, const struct run *run, const char *st
 static void judge_crossing(struct run *run)
 {
 	const struct mpm *mpm = run->mpm;
-	const struct scene_grid *g = &run->scene->grid;
 	int crossed = 0;
 	if (isfinite(mpm->shape->lone(0.25)))
 		return;
 	for (int k = 0; k < mpm->p.n; k++) {
 		bool far = false;
-		for (int c = 0; c < 2; c++) { /* from where the grid, if it follows a wall, has taken the place of birth */
-			double spacing = mpm->grid.spacing[c], born = mpm->p.x0[k][c];
-			if (spacing != g->cell)
-				born = g->fixed[c] + (born - g->fixed[c]) * spacing / g->cell;
-			far |= fabs(mpm->p.x[k][c] - born) > spacing;
-		}
+		for (int c = 0; c < 2; c++)
+			far |= fabs(mpm->p.x[k][c] - grid_carried(mpm, mpm->p.x0[k][c], c)) > mpm->grid.spacing[c];
 		crossed += far;
 	}
 	if (crossed > 0)
