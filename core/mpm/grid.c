@@ -61,3 +61,10 @@ int grid_place(struct mpm *mpm)
 	}
 	return STATUS_OK;
 }
+
+double grid_carried(const struct mpm *mpm, double place, int c)
+{
+	const struct scene_grid *s = &mpm->scene->grid;
+	double stretch = mpm->grid.spacing[c] / s->cell;
+	return stretch == 1.0 ? place : s->fixed[c] + (place - s->fixed[c]) * stretch;
+}

@@ -100,6 +100,9 @@ int mpm_step(struct mpm *mpm);
 /* Fills mpm->ledger and the regions' and points' derived values from the state as it is. */
 void mpm_measure(struct mpm *mpm);
 
+/* Where a place of the scene, x (c = 0) or y (1), has gone with a grid that follows a wall, m. */
+double grid_carried(const struct mpm *mpm, double place, int c);
+
 /* Sums over a box of the scene. */
 struct mpm_region_values {
 	double mass, volume; /* kg, m3 */

@@ -86,12 +86,23 @@ static void nearest_on_segment(const double a[2], const double b[2], const doubl
 	nearest[0] = a[0] + s * tx, nearest[1] = a[1] + s * ty;
 }
 
+/* Is a place in the scene's box, which a grid that follows a wall takes along? */
+static bool in_box(const struct mpm *mpm, const double x[2])
+{
+	const struct scene_grid *g = &mpm->scene->grid;
+	for (int c = 0; c < 2; c++) {
+		double low = g->origin[c], high = g->origin[c] + g->size[c];
+		if (x[c] < grid_carried(mpm, low, c) || x[c] > grid_carried(mpm, high, c))
+			return false;
+	}
+	return true;
+}
+
 /* Can material come to this place before a face of `wall`? */
 static bool reachable(const struct mpm *mpm, int wall, const double x[2])
 {
 	const struct scene_grid *g = &mpm->scene->grid;
-	if (x[0] < g->origin[0] || x[1] < g->origin[1] || x[0] > g->origin[0] + g->size[0] ||
-		x[1] > g->origin[1] + g->size[1])
+	if (!in_box(mpm, x))
 		return false;
 	for (int other = 0; other < mpm->scene->n_walls; other++)
 		if (other != wall && mpm_work(mpm)->wall_on[other] && wall_contains(mpm, other, x, 0.1 * PROBE * g->cell))

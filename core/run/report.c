@@ -154,9 +154,12 @@ static void judge_crossing(struct run *run)
 	int crossed = 0;
 	if (isfinite(mpm->shape->lone(0.25)))
 		return;
-	for (int k = 0; k < mpm->p.n; k++)
-		crossed += fabs(mpm->p.x[k][0] - mpm->p.x0[k][0]) > mpm->grid.h ||
-				   fabs(mpm->p.x[k][1] - mpm->p.x0[k][1]) > mpm->grid.h;
+	for (int k = 0; k < mpm->p.n; k++) {
+		bool far = false;
+		for (int c = 0; c < 2; c++)
+			far |= fabs(mpm->p.x[k][c] - grid_carried(mpm, mpm->p.x0[k][c], c)) > mpm->grid.spacing[c];
+		crossed += far;
+	}
 	if (crossed > 0)
 		log_warning(
 			&run->log,

@@ -150,6 +150,10 @@ int schedule_run(struct plan *plan, const struct study_options *options)
 	int recalled = 0;
 	for (int k = 0; k < plan->n; k++) {
 		struct combination *c = &plan->combinations[k];
+		if (!c->folder[0]) { /* its scene was refused: it has no folder to look into, or to forget */
+			recalled++;
+			continue;
+		}
 		bool known = !options->fresh && job_recall(c);
 		if (known && c->result.outcome == OUTCOME_FAILED) /* a full disk, a kill: not the method's doing */
 			c->result.outcome = OUTCOME_NONE;

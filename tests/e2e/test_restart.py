@@ -90,6 +90,28 @@ def instruction_sets():
         compare(f("base"), f("v4"))
 
 
+# A block under a plate that the grid follows, which so passes two rows of nodes without a point that crosses one.
+PRESSED = """
+grid = { origin = [0.0, 0.0]; size = [0.6, 1.4]; cell = 0.1; follow = "plate"; fixed = [0.0, 0.1]; };
+time = { end = 0.8; step = 5e-4; };
+mpm = { shape = "linear"; order = "musl"; };
+materials = ( { name = "m"; density = 1000.0; law = { type = "thermoelastic"; young = 1e6; poisson = 0.0; }; } );
+bodies = ( { name = "block"; material = "m"; box = [0.2, 0.1, 0.4, 1.1]; } );
+walls = ( { name = "base"; box = [0.0, 0.0, 0.6, 0.1]; contact = "slip"; },
+          { name = "plate"; box = [0.0, 1.1, 0.6, 1.3]; contact = "slip"; velocity = [0.0, -0.25]; } );
+"""
+
+
+def crossing():
+    """The warning of points that cross cells: on a grid that stays, not on one that follows."""
+    with Folder() as f:
+        follows = f.write("follows.cfg", PRESSED)
+        stays = f.write("stays.cfg", PRESSED.replace(' follow = "plate"; fixed = [0.0, 0.1];', ""))
+        for cfg, expected in ((follows, False), (stays, True)):
+            said = tmdempm("run", cfg, "--out", f("out"), "--force").stderr
+            expect(("have crossed grid cells" in said) == expected, "%s: %s" % (cfg, said))
+
+
 def other_packing():
     """States go on with the packing that they began with, or not at all."""
     with Folder() as f:
@@ -129,6 +151,8 @@ def refused():
 continued(BLOCK + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.1, 0.2)
 continued(COLUMN.replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), 0.03, 0.06)
 continued(FROST + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.1, 0.2)
+continued(PRESSED + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.06, 0.12)
+crossing()
 threads()
 frost()
 instruction_sets()

@@ -161,6 +161,20 @@ with Folder() as f:
     expect(verdicts == {("0", "on"): "stable", ("0", "off"): "stable", ("40", "on"): "guarded", ("40", "off"): "guarded"}, str(rows(f)))
     if "no charts" not in said.stderr:
         expect(os.path.getsize(f("out", "bar_study", "map.png")) > 5000, "map.png")
+    # what the scene refuses is an outcome too; it has no folder, and the file of that name here is somebody's own
+    f.write("bar_study.cfg", """
+        kind = "stability";
+        scene = { file = "bar.cfg"; };
+        knobs = ( { name = "dt"; path = "time.step"; values = [2e-3, 1.0]; } );
+        guards_off = ("guards.points_leaving=false");
+        map = ("dt");
+        norms = ( { name = "x"; kind = "max"; column = "A.position_x"; unit = "m"; garbage = 2.0; } );""")
+    f.write("outcome.txt", "outcome done")
+    for more in (), ("--fresh",):
+        tmdempm("study", "bar_study.cfg", "--out", "out", "--no-charts", *more, cwd=f())
+        found = sorted((row["dt"], row["outcome"]) for row in rows(f))
+        expect(found == [("0.002", "done")] * 2 + [("1", "refused")] * 2, str(found))
+        expect(os.path.exists(f("outcome.txt")), "a file of the user's is gone")
 
 # Mistakes are told with file and line before anything is run.
 with Folder() as f:

@@ -100,11 +100,12 @@ static const struct {
 	enum mpm_order order;
 	int xpic_order, xpic_every;
 	const char *shape;
-	int steps; /* more than 64: across a change of stage and a re-sort */
+	int steps;    /* more than 64: across a change of stage and a re-sort */
+	bool follows; /* the grid is stretched with the plate */
 } schemes[] = {
-	{MPM_FLIP, MPM_USL, 2, 1, "ugimp", 180}, {MPM_XPIC, MPM_USF, 3, 4, "ugimp", 70},
-	{MPM_FMPM, MPM_MUSL, 2, 1, "ugimp", 70}, {MPM_APIC, MPM_USL, 2, 1, "ugimp", 70},
-	{MPM_APIC, MPM_MUSL, 2, 1, "ugimp", 70}, {MPM_APIC, MPM_USF, 2, 1, "linear", 70},
+	{MPM_FLIP, MPM_USL, 2, 1, "ugimp", 180, false}, {MPM_XPIC, MPM_USF, 3, 4, "ugimp", 70, true},
+	{MPM_FMPM, MPM_MUSL, 2, 1, "ugimp", 70, false}, {MPM_APIC, MPM_USL, 2, 1, "ugimp", 70, false},
+	{MPM_APIC, MPM_MUSL, 2, 1, "ugimp", 70, true},  {MPM_APIC, MPM_USF, 2, 1, "linear", 70, false},
 };
 enum { SCHEMES = sizeof schemes / sizeof *schemes };
 
@@ -114,6 +115,7 @@ static struct scene *everything_by(struct elastic_scene *s, int k)
 	scene->mpm.transfer = schemes[k].transfer, scene->mpm.order = schemes[k].order;
 	scene->mpm.xpic_order = schemes[k].xpic_order, scene->mpm.xpic_every = schemes[k].xpic_every;
 	snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "%s", schemes[k].shape);
+	scene->grid.follows = schemes[k].follows, scene->grid.follow = 2, scene->grid.fixed[0] = 3.0;
 	return scene;
 }
 
@@ -164,6 +166,7 @@ static void test_restart(void **state)
 		steps(mpm, second);
 		assert_same(mpm, &whole);
 		assert_int_equal(mpm->stage, 1);
+		assert_int_equal(mpm->grid.spacing[0] != mpm->grid.h, schemes[scheme].follows);
 		mpm_free(mpm);
 		discard(&half);
 		discard(&whole);
