@@ -625,6 +625,27 @@ static void check_follow(struct loader *loader)
 	}
 }
 
+/* Heat through a surface goes to the points of a box: is there one, unless it comes to them later? */
+static void check_heated_points(struct loader *loader, int k)
+{
+	const struct scene *scene = loader->scene;
+	const struct scene_boundary *b = &scene->boundaries[k];
+	char path[PATH_LENGTH];
+	bool holds = b->from > 0.0;
+	for (int n = 0; n < scene->n_bodies && !holds; n++) {
+		if (loader->n_points[n] < 0)
+			return;
+		for (int i = 0; i < loader->n_points[n] && !holds; i++) {
+			const double *x = loader->points[n][i];
+			holds = x[0] >= b->min[0] && x[0] <= b->max[0] && x[1] >= b->min[1] && x[1] <= b->max[1];
+		}
+	}
+	if (!holds)
+		problem_of(loader, path_to(path, "boundaries", k, "box"),
+				   "holds no point at the start to be heated, expected one that reaches %g m (layer) into a body",
+				   b->layer);
+}
+
 static void check_boundaries(struct loader *loader)
 {
 	const struct scene *scene = loader->scene;
@@ -657,6 +678,8 @@ static void check_boundaries(struct loader *loader)
 					   "holds no node of the grid, expected one at least (cells of %g m from "
 					   "(%g, %g))",
 					   grid->cell, grid->origin[0], grid->origin[1]);
+		if (scene_boundary_heats_points(b) && clean_element(loader, "boundaries", k))
+			check_heated_points(loader, k);
 	}
 }
 

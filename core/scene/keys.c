@@ -316,7 +316,7 @@ static const struct scene_key boundary_keys[] = {
 	{.name = "convection", .type = KEY_GROUP, AT(scene_boundary, convection), KEYS(convection_keys),
 	 .doc = "heat exchanged with the surroundings: coefficient (ambient - temperature in the layer)"},
 	{.name = "layer", .type = KEY_FLOAT, AT(scene_boundary, layer), .unit = "m", .absent = "one cell", .range = RANGE_POSITIVE,
-	 .doc = "thickness over which a flux enters or convection acts"},
+	 .doc = "depth of the material in the box: each of its points gets the flux / layer per volume"},
 	{.name = "from", .type = KEY_FLOAT, AT(scene_boundary, from), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
 	 .doc = "active from this time"},
 	{.name = "until", .type = KEY_FLOAT, AT(scene_boundary, until), .unit = "s", .absent = "for ever", .range = RANGE_POSITIVE,

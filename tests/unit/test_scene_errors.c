@@ -127,6 +127,7 @@ static const struct {
 	{"([0, 0.3], [2, 0.3])", "([0, 0.3], [0, 0.3])", "walls.[0].line has no length, expected two different points"},
 	{"[0.5, 0.3, 1.0, 0.3]", "[0.52, 0.32, 0.58, 0.38]", "boundaries.[0].box holds no node of the grid"},
 	{"temperature = 50", "from = 1", "boundaries.[0] imposes nothing"},
+	{"temperature = 50", "flux = 50", "boundaries.[0].box holds no point at the start to be heated"},
 	{"friction = 0.5", "from = 1; until = 0.5", "walls.[0].until is 0.5 s, expected more than from = 1 s"},
 	/* heat */
 	{"conductivity = 2;", "conductivity = 2; latent_heat = 5;",
