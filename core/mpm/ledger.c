@@ -41,8 +41,8 @@ const struct field mpm_ledger_fields[] = {
 	{"loss_numerical", "J", 1, "transfers between points and nodes, damping, remapping, impacts on walls"},
 	{"work_expansion", "J", 1, "done by thermal expansion"},
 	{"energy_discarded", "J", 1, "dropped with gas, re-seeded RVEs and points that left"},
-	{"heat_in", "J", 1, "through boundaries and walls"},
-	{"heat_out", "J", 1, "through boundaries and walls"},
+	{"heat_in", "J", 1, "into the material, through boundaries and walls"},
+	{"heat_out", "J", 1, "out of it, through boundaries and walls"},
 	{"energy_residual", "J", 1, "mechanical energy that does not add up"},
 	{"heat_residual", "J", 1, "heat that does not add up"},
 };

@@ -129,7 +129,7 @@ static double distance_to_edge(const double a[2], const double b[2], const doubl
 static bool look_at_face(const struct mpm *mpm, int wall, const double a[2], const double b[2], const double x[2],
 						 struct face *face)
 {
-	double h = mpm->grid.h, length = length_of(b[0] - a[0], b[1] - a[1]);
+	double h = fmax(mpm->grid.spacing[0], mpm->grid.spacing[1]), length = length_of(b[0] - a[0], b[1] - a[1]);
 	const double t[2] = {(b[0] - a[0]) / length, (b[1] - a[1]) / length};
 	double at = (x[0] - a[0]) * t[0] + (x[1] - a[1]) * t[1];
 	at = at < 0.0 ? 0.0 : at > length ? length : at;
@@ -152,7 +152,8 @@ static bool look_at_face(const struct mpm *mpm, int wall, const double a[2], con
 static int nearest_faces(const struct mpm *mpm, int wall, int n, const double (*v)[2], const double x[2],
 						 struct face faces[2])
 {
-	double h = mpm->grid.h, tolerance = ON_SURFACE * h, distance[n], limit = INFINITY;
+	double h = fmax(mpm->grid.spacing[0], mpm->grid.spacing[1]), tolerance = ON_SURFACE * h, distance[n],
+		   limit = INFINITY;
 	int found = 0;
 	for (int e = 0; e < n; e++)
 		distance[e] = distance_to_edge(v[e], v[(e + 1) % n], x);

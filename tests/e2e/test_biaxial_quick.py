@@ -22,6 +22,11 @@ def mean(values):
     return sum(values) / len(values)
 
 
+def smooth(values, strain):
+    """Means over 1% of strain: one RVE rattles by tens of kPa from row to row."""
+    return [mean([v for v, e in zip(values, strain) if abs(e - at) <= 0.005]) for at in strain]
+
+
 def specimen(f, name):
     """Stress on the plate per current width [Pa], strain, volume strain; checks what holds for any specimen."""
     out = f(name)
@@ -52,12 +57,14 @@ with Folder() as f:
         stress, strain, volume = specimen(f, "biaxial_%s_quick" % name)
         late = [s for s, e in zip(stress, strain) if e > 0.1]
         rve_late = [s for s, e in zip(rve_stress, rve_strain) if e > 0.1]
-        peak, rve_peak = max(s for s, e in zip(stress, strain) if e < 0.1), max(rve_stress)
+        peak = max(s for s, e in zip(smooth(stress, strain), strain) if e < 0.1)
+        rve_peak = max(s for s, e in zip(smooth(rve_stress, rve_strain), rve_strain) if e < 0.1)
         print("%s: peak %.1f kPa (RVE %.1f), residual %.1f (%.1f), volume %+.2f %%"
               % (name, 1e-3 * peak, 1e-3 * rve_peak, 1e-3 * mean(late), 1e-3 * mean(rve_late), 100 * volume[-1]))
         found[name] = (peak, mean(late), volume[-1])
         expect(abs(peak / rve_peak - 1.0) < 0.1, "%s: peak %g Pa, of the RVE %g Pa" % (name, peak, rve_peak))
-        expect(abs(mean(late) / mean(rve_late) - 1.0) < 0.15, "%s: residual %g Pa, of the RVE %g Pa"
+        # a specimen that bulges is wider in the middle, where it yields, than on the mean: its residual lies lower
+        expect(0.8 < mean(late) / mean(rve_late) < 1.1, "%s: residual %g Pa, of the RVE %g Pa"
                % (name, mean(late), mean(rve_late)))
     expect(found["dense"][0] > 1.3 * found["dense"][1], "the dense specimen does not soften")
     expect(found["loose"][0] < 1.25 * found["loose"][1], "the loose specimen softens")
