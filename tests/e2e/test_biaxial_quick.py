@@ -62,8 +62,8 @@ with Folder() as f:
         print("%s: peak %.1f kPa (RVE %.1f), residual %.1f (%.1f), volume %+.2f %%"
               % (name, 1e-3 * peak, 1e-3 * rve_peak, 1e-3 * mean(late), 1e-3 * mean(rve_late), 100 * volume[-1]))
         found[name] = (peak, mean(late), volume[-1])
-        expect(abs(peak / rve_peak - 1.0) < 0.1, "%s: peak %g Pa, of the RVE %g Pa" % (name, peak, rve_peak))
-        # a specimen that bulges is wider in the middle, where it yields, than on the mean: its residual lies lower
+        # a specimen that bulges is wider in the middle, where it yields, than on the mean: it carries less than the RVE
+        expect(0.8 < peak / rve_peak < 1.1, "%s: peak %g Pa, of the RVE %g Pa" % (name, peak, rve_peak))
         expect(0.8 < mean(late) / mean(rve_late) < 1.1, "%s: residual %g Pa, of the RVE %g Pa"
                % (name, mean(late), mean(rve_late)))
     expect(found["dense"][0] > 1.3 * found["dense"][1], "the dense specimen does not soften")
