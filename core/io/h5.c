@@ -176,13 +176,19 @@ int h5_attribute_integer(hid_t parent, const char *object, const char *name, lon
 	return h5_attribute(parent, object, name, H5T_NATIVE_LLONG, &value);
 }
 
-int h5_read(hid_t parent, const char *name, hid_t type, hsize_t count, void *data, const char *path)
+/* Opens a dataset that must be there. */
+static int h5_open_set(hid_t *set, hid_t parent, const char *name, const char *path)
 {
 	if (!h5_has(parent, name))
 		return error_set(STATUS_INPUT, "%s holds no `%s`", path, name);
-	hid_t set = H5Dopen2(parent, name, H5P_DEFAULT);
-	if (set < 0)
-		return h5_fail("read", path);
+	*set = H5Dopen2(parent, name, H5P_DEFAULT);
+	return *set < 0 ? h5_fail("read", path) : STATUS_OK;
+}
+
+int h5_read(hid_t parent, const char *name, hid_t type, hsize_t count, void *data, const char *path)
+{
+	hid_t set = H5I_INVALID_HID;
+	CHECK(h5_open_set(&set, parent, name, path));
 	hid_t space = H5Dget_space(set);
 	hssize_t there = H5Sget_simple_extent_npoints(space);
 	int status = STATUS_OK;
@@ -199,11 +205,8 @@ int h5_read(hid_t parent, const char *name, hid_t type, hsize_t count, void *dat
 int h5_size(hid_t parent, const char *name, hsize_t *rows, hsize_t *columns, const char *path)
 {
 	hsize_t size[2] = {0, 1};
-	if (!h5_has(parent, name))
-		return error_set(STATUS_INPUT, "%s holds no `%s`", path, name);
-	hid_t set = H5Dopen2(parent, name, H5P_DEFAULT);
-	if (set < 0)
-		return h5_fail("read", path);
+	hid_t set = H5I_INVALID_HID;
+	CHECK(h5_open_set(&set, parent, name, path));
 	hid_t space = H5Dget_space(set);
 	int rank = H5Sget_simple_extent_ndims(space);
 	if (rank == 1 || rank == 2)

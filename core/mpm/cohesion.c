@@ -64,8 +64,7 @@ int cohesion_create(struct mpm *mpm)
 	for (int k = 0; k < p->n; k++) {
 		const struct scene_body *body = &mpm->scene->bodies[p->body[k]];
 		double spacing = scene_body_spacing(mpm->scene, body), origin[2];
-		for (int c = 0; c < 2; c++)
-			origin[c] = isnan(body->lattice_origin[c]) ? mpm->scene->grid.origin[c] : body->lattice_origin[c];
+		scene_body_lattice(mpm->scene, body, origin);
 		at[p->id[k]] = (struct lattice_place){.i = lround((p->x0[k][0] - origin[0]) / spacing - 0.5),
 											  .j = lround((p->x0[k][1] - origin[1]) / spacing - 0.5),
 											  .body = p->body[k]};

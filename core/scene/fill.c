@@ -40,14 +40,19 @@ static void lattice_range(const struct scene_body *body, int axis, double origin
 	*last = ceil((high - origin) / s - 0.5);
 }
 
+void scene_body_lattice(const struct scene *scene, const struct scene_body *body, double origin[2])
+{
+	for (int a = 0; a < 2; a++)
+		origin[a] = isnan(body->lattice_origin[a]) ? scene->grid.origin[a] : body->lattice_origin[a];
+}
+
 int scene_body_points(const struct scene *scene, const struct scene_body *body, double (**x)[2], int *n)
 {
 	double s = scene_body_spacing(scene, body), origin[2], first[2], last[2];
 	*x = NULL, *n = 0;
-	for (int a = 0; a < 2; a++) {
-		origin[a] = isnan(body->lattice_origin[a]) ? scene->grid.origin[a] : body->lattice_origin[a];
+	scene_body_lattice(scene, body, origin);
+	for (int a = 0; a < 2; a++)
 		lattice_range(body, a, origin[a], s, &first[a], &last[a]);
-	}
 	double columns = last[0] - first[0] + 1.0, rows = last[1] - first[1] + 1.0;
 	if (!(columns * rows <= POINTS_MAX))
 		return error_set(STATUS_INPUT, "body '%s' spans %.3g lattice points, expected at most %.0g", body->name,

@@ -344,6 +344,9 @@ double scene_grid_face(const struct scene *scene, int c);
 /* Distance between a body's lattice points, m: cell / sqrt(points_per_cell). */
 double scene_body_spacing(const struct scene *scene, const struct scene_body *body);
 
+/* Where that lattice begins, m: its points lie at origin + (i + 1/2, j + 1/2) spacing. */
+void scene_body_lattice(const struct scene *scene, const struct scene_body *body, double origin[2]);
+
 /* Is x inside of the body and further than `tolerance` (m) from its outline, or, if that is negative, at most so far
  * outside? */
 bool scene_body_contains(const struct scene_body *body, const double x[2], double tolerance);

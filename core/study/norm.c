@@ -102,15 +102,6 @@ static int exact_series(struct series *series, const struct evaluation *e, const
 	return STATUS_OK;
 }
 
-/* Is b one of the seeds of a? */
-static bool same_but_seed(const struct study *study, const struct combination *a, const struct combination *b)
-{
-	bool same = a->off == b->off;
-	for (int k = 0; k < study->n_knobs; k++)
-		same = same && (study->knobs[k].seed || a->choice[k] == b->choice[k]);
-	return same;
-}
-
 /* The next run, from number *from on, that belongs to the reference of c; NULL after the last. */
 static const struct combination *reference_next(const struct plan *plan, const struct combination *c, int *from)
 {
@@ -119,7 +110,7 @@ static const struct combination *reference_next(const struct plan *plan, const s
 		return (*from)++ == 0 ? own : NULL;
 	while (*from < plan->n) {
 		const struct combination *other = &plan->combinations[(*from)++];
-		if (same_but_seed(plan->study, own, other))
+		if (plan_same_but_seed(plan->study, own, other))
 			return other;
 	}
 	return NULL;

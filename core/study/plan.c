@@ -79,6 +79,14 @@ static void selection_apply(const struct study *study, const char *selection, in
 	}
 }
 
+bool plan_same_but_seed(const struct study *study, const struct combination *a, const struct combination *b)
+{
+	bool same = a->off == b->off;
+	for (int k = 0; k < study->n_knobs; k++)
+		same = same && (study->knobs[k].seed || a->choice[k] == b->choice[k]);
+	return same;
+}
+
 bool plan_matches(const struct study *study, const int *choice, const char *selection)
 {
 	char knob[SCENE_NAME], value[SCENE_NAME];

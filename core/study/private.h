@@ -180,6 +180,9 @@ void plan_free(struct plan *plan);
 /* Does a combination have the values that a selection "knob=value, knob=value" names? */
 bool plan_matches(const struct study *study, const int *choice, const char *selection);
 
+/* Do two combinations differ in nothing but their seed? */
+bool plan_same_but_seed(const struct study *study, const struct combination *a, const struct combination *b);
+
 /* STATUS_INPUT if a selection names what is not there. */
 int plan_check_selection(const struct study *study, const char *selection);
 

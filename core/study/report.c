@@ -164,18 +164,10 @@ static double deviation(const struct statistics *s)
 	return sqrt(fmax(s->squares - s->sum * s->sum / s->n, 0.0) / (s->n - 1));
 }
 
-static bool same_group(const struct study *study, const struct combination *a, const struct combination *b)
-{
-	bool same = a->off == b->off;
-	for (int k = 0; k < study->n_knobs; k++)
-		same = same && (study->knobs[k].seed || a->choice[k] == b->choice[k]);
-	return same;
-}
-
 static bool first_of_group(const struct plan *plan, int i)
 {
 	for (int k = 0; k < i; k++)
-		if (same_group(plan->study, &plan->combinations[k], &plan->combinations[i]))
+		if (plan_same_but_seed(plan->study, &plan->combinations[k], &plan->combinations[i]))
 			return false;
 	return true;
 }
@@ -195,7 +187,8 @@ static int summary_row(struct csv_writer *w, const struct plan *plan, const stru
 		if (!study->knobs[k].seed)
 			csv_text(w, study->knobs[k].choices[c->choice[k]].name);
 	for (int i = 0; i < plan->n; i++)
-		if (same_group(study, &plan->combinations[i], c) && plan->combinations[i].result.outcome == OUTCOME_DONE) {
+		if (plan_same_but_seed(study, &plan->combinations[i], c) &&
+			plan->combinations[i].result.outcome == OUTCOME_DONE) {
 			runs++;
 			add(&cpu, plan->combinations[i].result.cost.cpu);
 		}
@@ -205,7 +198,7 @@ static int summary_row(struct csv_writer *w, const struct plan *plan, const stru
 		struct statistics value = {0}, error = {0};
 		for (int i = 0; i < plan->n; i++) {
 			const struct combination *other = &plan->combinations[i];
-			if (!same_group(study, other, c) || other->result.outcome != OUTCOME_DONE)
+			if (!plan_same_but_seed(study, other, c) || other->result.outcome != OUTCOME_DONE)
 				continue;
 			add(&value, other->result.value[k]);
 			add(&error, other->result.error[k]);

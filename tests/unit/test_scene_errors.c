@@ -6,11 +6,14 @@
 
 #include <cmocka.h>
 
+#define TEMPORARY_FILE "/tmp/test_scene_errors_XXXXXX" /* for temporary_file.h */
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "../common/temporary_file.h"
 #include "base/error.h"
 #include "scene/scene.h"
 
@@ -213,29 +216,6 @@ static const struct {
 
 /* ---- helpers ---- */
 
-static char path[] = "/tmp/test_scene_errors_XXXXXX";
-
-static int make_file(void **state)
-{
-	(void)state;
-	int file = mkstemp(path);
-	return file < 0 ? -1 : close(file);
-}
-
-static int remove_file(void **state)
-{
-	(void)state;
-	return unlink(path);
-}
-
-static void write_scene(const char *text)
-{
-	FILE *out = fopen(path, "w");
-	assert_non_null(out);
-	fputs(text, out);
-	fclose(out);
-}
-
 /* `good` with one piece replaced; the line of the replacement. */
 static int replace(const char *old, const char *new, char *text, size_t size)
 {
@@ -269,7 +249,7 @@ static void the_good_scene_is_good(void **state)
 {
 	(void)state;
 	struct scene *scene;
-	write_scene(good);
+	write_file(good);
 	assert_int_equal(scene_load(&scene, path, 0, NULL, stderr), 0);
 	scene_free(scene);
 }
@@ -280,7 +260,7 @@ static void one_slip_gives_one_message(void **state)
 	for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
 		char text[4096], place[64];
 		int line = replace(wrong[k].old, wrong[k].new, text, sizeof text);
-		write_scene(text);
+		write_file(text);
 		char *messages = refusal(0, NULL);
 		line += wrong[k].new[0] == '\n';
 		snprintf(place, sizeof place, "%s:%d: ", path, line);
@@ -297,7 +277,7 @@ static void expect(const char *old, const char *new, int n, const char *const *e
 {
 	char text[4096];
 	replace(old, new, text, sizeof text);
-	write_scene(text);
+	write_file(text);
 	char *messages = refusal(0, NULL), *at = messages;
 	for (int k = 0; k < n; k++) {
 		char place[512];
@@ -345,7 +325,7 @@ static void opposites(void **state)
 {
 	(void)state;
 	const char *sets[] = {"time.thermal_steps=4", "materials.m.freezing=[0, 0]"};
-	write_scene(good);
+	write_file(good);
 	char *messages = refusal(2, sets);
 	assert_non_null(strstr(messages, "time.thermal_steps is 4 though material 'm' freezes, expected 1"));
 	free(messages);
@@ -355,7 +335,7 @@ static void opposites(void **state)
 static void all_errors_are_reported(void **state)
 {
 	(void)state;
-	write_scene(
+	write_file(
 		"grid = { origin = [0, 0]; size = [2, 1]; cell = 0.1; cell = 0.2;\n" /* twice */
 		"	colour = 3; };\n"                                                /* unknown */
 		"time = { end = 1; step = -1e-4; };\n"                               /* negative */
@@ -408,7 +388,7 @@ static void grid_that_follows(void **state)
 		snprintf(sets[0], sizeof sets[0], "grid.%s", cases[k][0]);
 		snprintf(sets[1], sizeof sets[1], "grid.%s", cases[k][1]);
 		snprintf(sets[2], sizeof sets[2], "walls.roof.velocity=%s", cases[k][2]);
-		write_scene(good);
+		write_file(good);
 		char *messages = refusal(3, list);
 		if (!strstr(messages, cases[k][3]))
 			fail_msg("expected %s, got\n%s", cases[k][3], messages);
@@ -442,7 +422,7 @@ static void wrong_overrides(void **state)
 		{"grid=", "syntax error"},
 		{"walls=(", "'(' is never closed, expected ')'"},
 	};
-	write_scene(good);
+	write_file(good);
 	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
 		char *messages = refusal(1, cases[k]);
 		if (!strstr(messages, cases[k][1]))
@@ -470,7 +450,7 @@ static void wrong_variants(void **state)
 		if (percent)
 			snprintf(text2, sizeof text2, "%.*s%s%s", (int)(percent - cases[k][0]), text, strrchr(path, '/') + 1,
 					 percent + 2);
-		write_scene(percent ? text2 : text);
+		write_file(percent ? text2 : text);
 		char *messages = refusal(0, NULL);
 		if (!strstr(messages, cases[k][1]))
 			fail_msg("%s: expected %s, got\n%s", cases[k][0], cases[k][1], messages);
@@ -478,7 +458,7 @@ static void wrong_variants(void **state)
 	}
 	char text[256];
 	snprintf(text, sizeof text, "@include \"%s\"\n", path);
-	write_scene(text);
+	write_file(text);
 	char *messages = refusal(0, NULL);
 	assert_non_null(strstr(messages, "includes itself, expected an end"));
 	free(messages);

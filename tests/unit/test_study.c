@@ -9,34 +9,14 @@
 
 #include <cmocka.h>
 
+#define TEMPORARY_FILE "/tmp/test_study_XXXXXX" /* for temporary_file.h */
+
 #include "../common/near.h"
+#include "../common/temporary_file.h"
 #include "base/error.h"
 #include "study/private.h"
 #include "study/report.h"
 #include "study/series.h"
-
-static char path[] = "/tmp/test_study_XXXXXX";
-
-static int make_file(void **state)
-{
-	(void)state;
-	int file = mkstemp(path);
-	return file < 0 ? -1 : close(file);
-}
-
-static int remove_file(void **state)
-{
-	(void)state;
-	return unlink(path);
-}
-
-static void write_file(const char *text)
-{
-	FILE *out = fopen(path, "w");
-	assert_non_null(out);
-	fputs(text, out);
-	assert_int_equal(fclose(out), 0);
-}
 
 static struct study *load(const char *text)
 {
