@@ -68,12 +68,12 @@ struct viewer {
 	char notice[NOTICE], notice_out[NOTICE];
 };
 
-static bool is_live(const struct viewer *viewer) { return viewer->purpose.kind == FRAME_MSG_LIVE; }
+bool viewer_is_live(const struct viewer *viewer) { return viewer->purpose.kind == FRAME_MSG_LIVE; }
 
 /* What is not made when this viewer fails. */
 static const char *viewer_products(const struct viewer *viewer)
 {
-	return is_live(viewer) ? "live connection" : viewer->purpose.kind == FRAME_MSG_SCRIPTS ? "scripts" : "pictures";
+	return viewer_is_live(viewer) ? "live connection" : viewer->purpose.kind == FRAME_MSG_SCRIPTS ? "scripts" : "pictures";
 }
 
 static double now(void)
@@ -293,7 +293,7 @@ static int process_reap_dying(struct viewer *viewer)
 	int status, killed;
 	viewer->cpu_ended = viewer_cpu(viewer);
 	viewer->ready = false;
-	bool gone = process_wait(viewer, is_live(viewer) ? 1 : 20, &status);
+	bool gone = process_wait(viewer, viewer_is_live(viewer) ? 1 : 20, &status);
 	killed = process_bury(viewer);
 	return gone ? status : killed;
 }
@@ -515,10 +515,10 @@ static int viewer_recover(struct viewer *viewer, int kind)
 		return viewer_give_up(viewer);
 	}
 	note(viewer, "the viewer %s; starting it again", how);
-	if (is_live(viewer)) /* whoever watches sees the next frame, not those that the dead one had */
+	if (viewer_is_live(viewer)) /* whoever watches sees the next frame, not those that the dead one had */
 		for (int k = 0; k < N_SLOTS; k++)
 			slot_release(viewer, k, true);
-	if ((is_live(viewer) ? viewer_begin : viewer_launch)(viewer) != STATUS_OK) {
+	if ((viewer_is_live(viewer) ? viewer_begin : viewer_launch)(viewer) != STATUS_OK) {
 		if (!viewer->given_up[0])
 			snprintf(viewer->given_up, sizeof viewer->given_up, "%s", error_message());
 		return viewer_give_up(viewer);
@@ -720,14 +720,14 @@ int viewer_finish(struct viewer *viewer)
 	if (!viewer)
 		return 0;
 	struct frame_message quit = {.kind = FRAME_MSG_QUIT, .slot = -1, .image = -1};
-	if (is_live(viewer)) {
+	if (viewer_is_live(viewer)) {
 		viewer_leave(viewer, &quit);
 	} else {
 		viewer_flush(viewer);
 		if (viewer->pid && message_send(viewer, &quit, sizeof quit))
 			process_reap_dying(viewer);
 	}
-	int failed = viewer->n_failed;
+	int failed = viewer_is_live(viewer) ? 0 : viewer->n_failed;
 	viewer_free(viewer);
 	return failed;
 }

@@ -93,6 +93,8 @@ double viewer_waited(const struct viewer *viewer);
 /* Processor time that the viewers of this purpose have taken since they were ready, s. */
 double viewer_cpu(struct viewer *viewer);
 
+bool viewer_is_live(const struct viewer *viewer);
+
 /* The viewer's process id; 0 if none runs. */
 int viewer_pid(const struct viewer *viewer);
 
