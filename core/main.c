@@ -9,6 +9,7 @@
 #include "exact/exact.h"
 #include "io/h5.h"
 #include "run/bench.h"
+#include "run/look_cli.h"
 #include "run/run.h"
 #include "rve/cli.h"
 #include "study/study.h"
@@ -27,8 +28,8 @@ static const char help[] =
 	"      validates a scene and says what its run will be; writes nothing\n"
 	"  tmdempm info [--json]\n"
 	"      what is built in, what is missing and how to get it\n"
-	"  tmdempm rve pack|load|info ...\n"
-	"      makes packings, loads one RVE alone (tmdempm rve --help)\n"
+	"  tmdempm rve pack|load|info|show|extract ...\n"
+	"      makes packings, loads one RVE alone; looks into the RVEs of a run, takes one out (tmdempm rve --help)\n"
 	"  tmdempm exact [NAME [--set parameter=value]... --at x,y --times a,b,c|from:to:n]\n"
 	"      exact solutions: what there is, or values as CSV\n"
 	"  tmdempm study FILE.cfg... [--out DIR] [--jobs N] [--set path=value]... [--fresh] [--no-charts] [--list]\n"
@@ -298,6 +299,8 @@ int main(int argc, char **argv)
 		return fputs(help, stdout), STATUS_OK;
 	if (!strcmp(name, "--version"))
 		return printf("tmdempm %s\n", TMDEMPM_VERSION), STATUS_OK;
+	if (!strcmp(name, "rve") && argc > 2 && cli_look_has(argv[2]))
+		return cli_look(argc - 2, argv + 2);
 	if (!strcmp(name, "rve"))
 		return cli_rve(argc - 1, argv + 1);
 	int status = *name ? usage("`%s` is no command: expected run, check, info, rve, exact, study or bench", name)

@@ -90,16 +90,18 @@ int checkpoint_write(const char *path, struct mpm *mpm, const struct history_mem
 
 /* ---- reading ---- */
 
-static int checkpoint_open(hid_t *file, const char *path)
+/* `guarded`: a state in the middle of a step will do. */
+static int checkpoint_open(hid_t *file, const char *path, bool guarded)
 {
 	CHECK(h5_open(file, path));
 	char *format = NULL;
 	long long version = 0;
 	int status = h5_read_attribute_text(*file, "format", &format, path);
-	if (status == STATUS_OK && !strcmp(format, "tmdempm state at a guard"))
+	bool at_guard = status == STATUS_OK && !strcmp(format, "tmdempm state at a guard");
+	if (at_guard && !guarded)
 		status = error_set(STATUS_INPUT,
 						   "%s is a state in the middle of a step; restart with the checkpoint.h5 beside it", path);
-	else if (status != STATUS_OK || strcmp(format, "tmdempm checkpoint"))
+	else if (status != STATUS_OK || (!at_guard && strcmp(format, "tmdempm checkpoint")))
 		status = error_set(STATUS_INPUT, "%s is not a checkpoint of tmdempm", path);
 	else
 		status = h5_read_integer(*file, "version", &version, path);
@@ -129,7 +131,7 @@ static int checkpoint_compare(hid_t file, const char *path, const struct scene *
 int checkpoint_check_scene(const char *path, const struct scene *scene)
 {
 	hid_t file;
-	CHECK(checkpoint_open(&file, path));
+	CHECK(checkpoint_open(&file, path, false));
 	int status = checkpoint_compare(file, path, scene);
 	H5Fclose(file);
 	return status;
@@ -197,12 +199,35 @@ static int checkpoint_check_path(hid_t file, const char *path, bool allow_path_c
 int checkpoint_read(const char *path, struct mpm *mpm, struct history_memory *memory, bool allow_path_change)
 {
 	hid_t file;
-	CHECK(checkpoint_open(&file, path));
+	CHECK(checkpoint_open(&file, path, false));
 	int status = checkpoint_compare(file, path, mpm->scene);
 	if (status == STATUS_OK)
 		status = checkpoint_check_path(file, path, allow_path_change);
 	if (status == STATUS_OK)
 		status = checkpoint_read_history(file, path, mpm->scene, memory);
+	if (status == STATUS_OK)
+		status = checkpoint_read_state(file, path, mpm);
+	H5Fclose(file);
+	return status;
+}
+
+/* ---- looking into one ---- */
+
+int checkpoint_read_scene(const char *path, char **text)
+{
+	hid_t file;
+	*text = NULL;
+	CHECK(checkpoint_open(&file, path, true));
+	int status = h5_read_text(file, "scene", text, path);
+	H5Fclose(file);
+	return status;
+}
+
+int checkpoint_look(const char *path, struct mpm *mpm)
+{
+	hid_t file;
+	CHECK(checkpoint_open(&file, path, true));
+	int status = checkpoint_check_path(file, path, false);
 	if (status == STATUS_OK)
 		status = checkpoint_read_state(file, path, mpm);
 	H5Fclose(file);

@@ -41,6 +41,21 @@ struct frame_array {
 	int64_t offset;     /* bytes from the start of the slot */
 };
 
+/* What is known of an RVE as a whole, beside its discs and contacts. */
+enum frame_rve_flag { FRAME_RVE_FLYING = 1, FRAME_RVE_FROZEN = 2 };
+struct frame_rve {
+	double time;        /* s, of this RVE */
+	int64_t point;      /* id; -1: it belongs to no point (a packing, an RVE driven alone) */
+	double stress[4];   /* Pa, xx yy zz xy, tension positive */
+	double strain[4];   /* Hencky strain ln U, xx yy zz xy */
+	double fabric[3];   /* mean n n of the contact normals, xx yy xy; 0 without contacts */
+	double void_ratio, coordination;
+	double temperature; /* in the frame's unit; NAN = unknown */
+	int32_t bonds_installed, bonds_intact;
+	int32_t flags;      /* enum frame_rve_flag */
+	int32_t pad;
+};
+
 struct frame_channel {
 	char name[FRAME_NAME]; /* points, domains, grid, walls, rve_NAME_discs, rve_NAME_contacts */
 	int32_t kind;          /* enum frame_kind */
@@ -50,6 +65,7 @@ struct frame_channel {
 	double origin[2], spacing[2]; /* m */
 	double cell_matrix[4]; /* RVE channels: H, columns are the lattice vectors, m; else 0 */
 	char note[256];        /* RVE channels: "p = 9.8 kPa, e = 0.243 ..." ; else "" */
+	struct frame_rve rve;  /* RVE channels; else 0 */
 };
 
 struct frame_header {
@@ -69,6 +85,7 @@ struct frame_image {
 	char field[FRAME_NAME];
 	int32_t component;     /* -1 magnitude or scalar */
 	char rve[FRAME_NAME];
+	char before[FRAME_NAME]; /* an RVE that is drawn on its left, as it was before; "" = none */
 	double view[4];        /* m: xmin ymin xmax ymax; NAN = all there is (channel "grid" if sent) */
 	int32_t size[2];       /* pixels */
 	char map[FRAME_NAME];  /* viridis, inferno, coolwarm (diverging: an automatic range is symmetric) */

@@ -38,6 +38,11 @@ const char *checkpoint_code_path(void);
  * message names the first setting that differs), another code path (unless allowed), or broken. */
 int checkpoint_read(const char *path, struct mpm *mpm, struct history_memory *memory, bool allow_path_change);
 
+/* For looking only: the scene's text (free() it), and the state into an MPM made from it, also one at a guard.  A state
+ * of another code path may be kept in another way and is refused. */
+int checkpoint_read_scene(const char *path, char **text);
+int checkpoint_look(const char *path, struct mpm *mpm);
+
 /* The same questions about the scene without reading the state: asked before anything is made. */
 int checkpoint_check_scene(const char *path, const struct scene *scene);
 

@@ -33,6 +33,16 @@ static void inspect_disc(const struct rve_model *model, const unsigned char *sta
 	disc->contacts = 0;
 }
 
+/* From disc i to the nearest image of j, m, and that image's shift. */
+static void inspect_branch(const double H[4], const real *s, int stride, int i, int j, int shift[2], double *bx,
+						   double *by)
+{
+	double sx = wrapped(s[j]) - wrapped(s[i]), sy = wrapped(s[stride + j]) - wrapped(s[stride + i]);
+	double kx = -rint(sx), ky = -rint(sy);
+	*bx = H[0] * (sx + kx) + H[1] * (sy + ky), *by = H[2] * (sx + kx) + H[3] * (sy + ky);
+	shift[0] = (int)kx, shift[1] = (int)ky;
+}
+
 /* How near an intact bond is to breaking below T_c. */
 static double bond_load(const struct rve_model *model, double normal, double tangential, double radii)
 {
@@ -54,12 +64,8 @@ int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, 
 	struct rve_disc a, b;
 	inspect_disc(model, state, i, &a);
 	inspect_disc(model, state, j, &b);
-	const real *s = (const real *)(state + layout->disc);
-	const double *H = head->H;
-	double sx = wrapped(s[j]) - wrapped(s[i]);
-	double sy = wrapped(s[layout->stride + j]) - wrapped(s[layout->stride + i]);
-	double kx = -rint(sx), ky = -rint(sy);
-	double bx = H[0] * (sx + kx) + H[1] * (sy + ky), by = H[2] * (sx + kx) + H[3] * (sy + ky);
+	double bx, by;
+	inspect_branch(head->H, (const real *)(state + layout->disc), layout->stride, i, j, contact->shift, &bx, &by);
 	double overlap = a.radius + b.radius - sqrt(bx * bx + by * by);
 	int bond = head->bonds_installed > 0 ? state[layout->flag + p] : BOND_NONE;
 	if (!(overlap > 0.0) && bond != BOND_INTACT)
@@ -69,8 +75,6 @@ int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, 
 	double tangential = ((const real *)(state + layout->ft))[p], cap = model->params.mu * normal;
 	contact->i = id[i];
 	contact->j = id[j];
-	contact->shift[0] = (int)kx;
-	contact->shift[1] = (int)ky;
 	contact->ends[0][0] = a.x, contact->ends[0][1] = a.y;
 	contact->ends[1][0] = a.x + bx, contact->ends[1][1] = a.y + by;
 	contact->normal_force = normal;
@@ -110,6 +114,42 @@ int rve_inspect(const struct rve_model *model, const void *state, struct rve_dis
 			n++;
 		}
 	return contacts && n > capacity ? capacity : n;
+}
+
+/* Fills a broken bond between discs that do not touch (any more); 0 if the slot holds none. */
+static int inspect_parted_slot(const struct rve_model *model, const unsigned char *state, int i, int p,
+							   struct rve_contact *contact)
+{
+	const struct rve_layout *layout = &model->layout;
+	const struct rve_head *head = (const struct rve_head *)state;
+	const real *s = (const real *)(state + layout->disc);
+	const index16 *id = (const index16 *)(state + layout->id);
+	int j = ((const index16 *)(state + layout->pair_j))[p];
+	struct rve_disc a, b;
+	if (head->bonds_installed == 0 || state[layout->flag + p] != BOND_BROKEN)
+		return 0;
+	inspect_disc(model, state, i, &a);
+	inspect_disc(model, state, j, &b);
+	double bx, by;
+	inspect_branch(head->H, s, layout->stride, i, j, contact->shift, &bx, &by);
+	if (a.radius + b.radius > hypot(bx, by))
+		return 0;
+	contact->i = id[i], contact->j = id[j], contact->bond = BOND_BROKEN;
+	contact->ends[0][0] = a.x, contact->ends[0][1] = a.y;
+	contact->ends[1][0] = a.x + bx, contact->ends[1][1] = a.y + by;
+	contact->normal_force = contact->tangential_force = contact->mobilisation = 0.0;
+	contact->sliding = 0;
+	return 1;
+}
+
+int rve_inspect_parted(const struct rve_model *model, const void *state, struct rve_contact *contacts, int capacity)
+{
+	const struct rve_head *head = state;
+	int n = 0;
+	for (int level = 0; level < head->levels; level++)
+		for (int row = 0; row < head->level_rows[level] && n < capacity; row++)
+			n += inspect_parted_slot(model, state, row, head->level_first[level] + row, &contacts[n]);
+	return n;
 }
 
 int rve_contact_capacity(const struct rve_model *model) { return model->layout.pairs; }

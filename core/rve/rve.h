@@ -144,4 +144,8 @@ struct rve_contact {
 int rve_inspect(const struct rve_model *model, const void *state, struct rve_disc *discs, struct rve_contact *contacts, int capacity);
 int rve_contact_capacity(const struct rve_model *model);
 
+/* The broken bonds whose discs have parted but are neighbours still, as contacts without force; those that are farther
+ * apart than the skin are forgotten. */
+int rve_inspect_parted(const struct rve_model *model, const void *state, struct rve_contact *contacts, int capacity);
+
 #endif
