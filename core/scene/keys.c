@@ -53,8 +53,8 @@ static const struct scene_key time_keys[] = {
 	END};
 
 static const struct scene_key mpm_keys[] = {
-	{.name = "shape", .type = KEY_CHOICE, AT(scene_mpm, shape), .value = "\"ugimp\"", CHOICES("ugimp", "linear"),
-	 .doc = "shape functions"},
+	{.name = "shape", .type = KEY_CHOICE, AT(scene_mpm, shape), .value = "\"ugimp\"", CHOICES("ugimp", "linear", "cpdi"),
+	 .doc = "shape functions: over the points' undeformed squares, from single places, or from the corners of their deformed domains"},
 	{.name = "transfer", .type = KEY_ENUM, AT(scene_mpm, transfer), .value = "\"flip\"", .choices = mpm_transfer_names,
 	 .doc = "how velocities go from the nodes to the points; tmdempm info says how"},
 	{.name = "xpic_order", .type = KEY_INT, AT(scene_mpm, xpic_order), .value = "2", .range = RANGE_WITHIN, .min = 1, .max = 100,

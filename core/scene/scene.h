@@ -52,7 +52,7 @@ struct scene_time {
 };
 
 struct scene_mpm {
-	char shape[SCENE_NAME]; /* "ugimp" (default), "linear": names of the table shapes[] */
+	char shape[SCENE_NAME]; /* "ugimp" (default), "linear", "cpdi": names of the table shapes[] */
 	enum mpm_transfer transfer;
 	enum mpm_order order;
 	int xpic_order;            /* m of XPIC(m), FMPM(m); default 2 */
