@@ -323,10 +323,19 @@ static int create_points(struct mpm *mpm, int n, const struct birth *births)
 	}
 	w->half = calloc((size_t)scene->n_bodies + 1, sizeof *w->half);
 	w->conductivity = calloc((size_t)scene->n_materials + 1, sizeof *w->conductivity);
-	if (!w->half || !w->conductivity)
+	w->edge = calloc((size_t)scene->n_bodies + 1, sizeof *w->edge);
+	if (!w->half || !w->edge || !w->conductivity)
 		return error_set(STATUS_RESOURCE, "out of memory");
-	for (int b = 0; b < scene->n_bodies; b++)
-		w->half[b] = 0.5 * scene_body_spacing(scene, &scene->bodies[b]) / scene->grid.cell;
+	for (int b = 0; b < scene->n_bodies; b++) {
+		double spacing = scene_body_spacing(scene, &scene->bodies[b]);
+		w->half[b] = 0.5 * spacing / scene->grid.cell;
+		w->edge[b][0] = w->edge[b][3] = spacing;
+	}
+	w->shape_points = (struct shape_points){.x = (const double(*)[2])mpm->p.x,
+											.F = (const double(*)[4])mpm->p.F,
+											.body = mpm->p.body,
+											.half = w->half,
+											.edge = (const double(*)[4])w->edge};
 	for (int m = 0; m < scene->n_materials; m++)
 		w->conductivity[m] = scene->materials[m].conductivity;
 	return STATUS_OK;
@@ -467,12 +476,12 @@ void mpm_free(struct mpm *mpm)
 		walls_free(mpm);
 		boundaries_free(mpm);
 		cohesion_free(mpm);
-		void *private[] = {w->half,        w->law_start,    w->law_names,   w->law_of_scene,  w->conductivity,
-						   w->cell,        w->order,        w->cell_first,  w->row_low,       w->row_high,
-						   w->scratch,     w->permutation,  w->sums,        w->confining,     w->stripe_sums,
-						   w->block_sums,  w->row_sums,     w->heat_sums,   w->start_warming, w->seen,
-						   w->projected,   w->strain_power, w->way,         w->freezing,      w->body_force,
-						   w->limit_nodes, w->limit_sums,   w->limit_points};
+		void *private[] = {w->half,        w->law_start,    w->law_names,    w->law_of_scene,  w->conductivity,
+						   w->cell,        w->order,        w->cell_first,   w->row_low,       w->row_high,
+						   w->scratch,     w->permutation,  w->sums,         w->confining,     w->stripe_sums,
+						   w->block_sums,  w->row_sums,     w->heat_sums,    w->start_warming, w->seen,
+						   w->projected,   w->strain_power, w->way,          w->freezing,      w->body_force,
+						   w->limit_nodes, w->limit_sums,   w->limit_points, w->edge};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);

@@ -153,7 +153,9 @@ struct point_heat {
 
 struct mpm_work {
 	struct shape_grid shape_grid;
+	struct shape_points shape_points;
 	double *half;                      /* by body: half a point's domain over h */
+	double (*edge)[4];                 /* by body: both edges of it, m */
 	int *law_start;                    /* n_laws + 1: the points of law l are stored from law_start[l] on */
 	char (*law_names)[SCENE_NAME + 8]; /* "laws/NAME", of the states in the checkpoint */
 	int *law_of_scene;                 /* scene law -> index in mpm->laws, -1 = has no points */
@@ -225,6 +227,13 @@ struct mpm_work {
 
 static inline struct mpm_work *mpm_work(const struct mpm *mpm) { return mpm->work; }
 static inline bool mpm_parallel(const struct mpm *mpm) { return mpm->p.n >= PARALLEL_POINTS; }
+
+/* Fills the lists of n points. */
+static inline void mpm_lists(const struct mpm *mpm, int n, const int *point, struct shape_lists *lists)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	mpm->shape->fill(&w->shape_grid, &w->shape_points, n, point, lists);
+}
 
 /* The points of a stripe: order[first .. last - 1]. */
 static inline void mpm_stripe_points(const struct mpm_work *w, int stripe, int *first, int *last)

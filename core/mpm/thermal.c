@@ -155,18 +155,19 @@ static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, s
 	struct stripe_sum *sum = &w->stripe_sums[stripe];
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])points->x, points->body, w->half, &lists);
+		mpm_lists(mpm, n, chunk, &lists);
+		const int count = nodes == SHAPE_VARIES ? lists.nodes : nodes;
 		for (int k = 0; k < n; k++) {
 			int p = chunk[k];
 			double source = points->heat_pending[p] / w->thermal_dt; /* W */
 			if (w->n_point_heats) {
-				double T = temperature_at(mpm->grid.T_new, &lists, k * nodes, nodes);
+				double T = temperature_at(mpm->grid.T_new, &lists, k * count, count);
 				double flow = boundary_heat(w, points->x[p], T) * mat2_determinant(points->F[p]) * points->volume0[p];
 				sum->heat_in += flow > 0.0 ? flow * dt : 0.0;
 				sum->heat_out -= flow < 0.0 ? flow * dt : 0.0;
 				source += flow;
 			}
-			scatter_flow(mpm, w, &lists, k * nodes, p, nodes, source, first_pass);
+			scatter_flow(mpm, w, &lists, k * count, p, count, source, first_pass);
 			if (last_pass) {
 				sum->heat_given += points->heat_pending[p];
 				points->heat_friction_sum[p] += points->heat_pending[p] / points->volume0[p];
@@ -184,8 +185,10 @@ static void scatter_flows(struct mpm *mpm, struct mpm_work *w, double dt, bool f
 		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
 			if (nodes == 9)
 				flow_stripe(mpm, w, stripe, 9, dt, first_pass, last_pass);
+			else if (nodes == 4)
+				flow_stripe(mpm, w, stripe, 4, dt, first_pass, last_pass);
 			else
-				flow_stripe(mpm, w, stripe, nodes, dt, first_pass, last_pass);
+				flow_stripe(mpm, w, stripe, SHAPE_VARIES, dt, first_pass, last_pass);
 	}
 }
 
@@ -218,8 +221,8 @@ static void lift_at_birth(struct mpm *mpm, struct mpm_work *w)
 	for (int i = 0; i < w->n_inside; i++) {
 		int p = w->order[i];
 		const double *g = mpm->scene->bodies[mpm->p.body[p]].temperature_gradient;
-		mpm->shape->fill(&w->shape_grid, 1, &p, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
-		lift_point(mpm, w, &lists, 0, p, mpm->shape->max_nodes, g[0], g[1]);
+		mpm_lists(mpm, 1, &p, &lists);
+		lift_point(mpm, w, &lists, 0, p, lists.nodes, g[0], g[1]);
 	}
 	for (int node = 0; node < mpm->grid.nx * mpm->grid.ny; node++)
 		if (!isnan(w->fixed_T[node]) && w->sums[node].capacity > 0.0)
@@ -237,7 +240,7 @@ void mpm_remap_temperature(struct mpm *mpm)
 		lift_at_birth(mpm, w);
 	for (int i = 0; i < w->n_inside; i++) {
 		int p = w->order[i];
-		mpm->shape->fill(&w->shape_grid, 1, &p, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
-		mpm->p.T_smooth[p] = temperature_at(mpm->grid.T, &lists, 0, mpm->shape->max_nodes);
+		mpm_lists(mpm, 1, &p, &lists);
+		mpm->p.T_smooth[p] = temperature_at(mpm->grid.T, &lists, 0, lists.nodes);
 	}
 }
