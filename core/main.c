@@ -33,7 +33,7 @@ static const char help[] =
 	"      validates a scene and says what its run will be; writes nothing\n"
 	"  tmdempm info [--json]\n"
 	"      what is built in, what is missing and how to get it\n"
-	"  tmdempm doctor [--timeout S]\n"
+	"  tmdempm doctor [--timeout S] [PART]...\n"
 	"      tries everything that a run may need here (HDF5, drawing, ParaView, CUDA ...) and says what to do where it\n"
 	"      does not work; a part that does not answer within S seconds (30) counts as broken\n"
 	"  tmdempm rve pack|load|info|show|extract ...\n"
@@ -321,9 +321,7 @@ static int command_doctor(int argc, char **argv)
 		if (*end || end == optarg || !(timeout > 0) || timeout > 3600)
 			return usage("doctor: --timeout %s: expected seconds, above 0 and at most 3600", optarg);
 	}
-	if (optind < argc)
-		return usage("doctor: `%s` is too much", argv[optind]);
-	return run_doctor(timeout);
+	return run_doctor(timeout, argc - optind, argv + optind);
 }
 
 static int command_bench(int argc, char **argv)

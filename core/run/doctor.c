@@ -334,7 +334,7 @@ static const struct doctor_part parts[] = {
 	{"libconfig", "", try_scene, APT "libconfig9"},
 	{"hdf5", "", try_hdf5, APT "libhdf5-103-1"},
 	{"folder", "", try_folder, "go to a folder that you may write to, or name one: tmdempm run --out DIR"},
-	{"memory file", "pictures", try_memory, "needs Linux 3.17 or newer, and memory"},
+	{"memory", "pictures", try_memory, "needs Linux 3.17 or newer, and memory"},
 	{"viewer", "pictures", try_viewer, APT "g++ cmake paraview-dev libx11-dev xvfb fonts-dejavu-core" BUILD},
 	{"display", "pictures on this display", try_display, "unset DISPLAY: then pictures are drawn on an Xvfb"},
 	{"xvfb", "pictures without a screen", try_xvfb, APT "xvfb libgl1-mesa-dri"},
@@ -403,24 +403,57 @@ static bool part_works(const struct doctor_part *part, double timeout, char word
 	return answer[0] == '+';
 }
 
-int run_doctor(double timeout)
+static bool is_named(const struct doctor_part *part, int n, char *const *names)
+{
+	bool named = n == 0;
+	for (int k = 0; k < n; k++)
+		named |= !strcmp(part->name, names[k]);
+	return named;
+}
+
+static int check_names(int n, char *const *names)
+{
+	for (int k = 0; k < n; k++) {
+		char all[WORDS] = "";
+		bool known = false;
+		for (int p = 0; p < PARTS; p++) {
+			known |= !strcmp(parts[p].name, names[k]);
+			snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", p ? ", " : "", parts[p].name);
+		}
+		if (!known)
+			return error_set(STATUS_INPUT, "doctor: `%s` is no part, expected one of %s", names[k], all);
+	}
+	return STATUS_OK;
+}
+
+/* Tries a part and prints the outcome. */
+static bool part_report(const struct doctor_part *part, double timeout)
+{
+	char words[WORDS];
+	bool works = part_works(part, timeout, words), needed = !*part->without;
+	printf("  %-7s  %-11s %s\n", works ? "works" : needed ? "BROKEN" : "missing", part->name, words);
+	if (!works)
+		printf("  %-7s  %-11s %s%s%s-> %s\n", "", "", needed ? "" : "without it no ", part->without, needed ? "" : "; ",
+			   part->cure);
+	return works;
+}
+
+int run_doctor(double timeout, int n, char *const *names)
 {
 	int broken = 0, absent = 0;
+	CHECK(check_names(n, names));
 	printf("tmdempm %s\n", TMDEMPM_VERSION);
 	for (int k = 0; k < PARTS; k++) {
-		const struct doctor_part *part = &parts[k];
-		char words[WORDS];
-		bool works = part_works(part, timeout, words), needed = !*part->without;
-		printf("  %-7s  %-12s %s\n", works ? "works" : needed ? "BROKEN" : "missing", part->name, words);
-		if (!works)
-			printf("  %-7s  %-12s %s%s%s-> %s\n", "", "", needed ? "" : "without it no ", part->without,
-				   needed ? "" : "; ", part->cure);
-		broken += !works && needed;
-		absent += !works && !needed;
+		if (!is_named(&parts[k], n, names) || part_report(&parts[k], timeout))
+			continue;
+		broken += !*parts[k].without;
+		absent += *parts[k].without != '\0';
 	}
 	if (broken > 0)
 		return error_set(STATUS_RESOURCE, "a run does not work on this machine: %d part%s that it needs", broken,
 						 broken > 1 ? "s" : "");
-	printf("A plain run works here%s.\n", absent ? "; what is missing takes the rest" : ", and everything else");
+	if (n == 0)
+		printf("A plain run works here%s\n",
+			   absent ? ".  What is missing above is not needed for it." : ", and everything else.");
 	return STATUS_OK;
 }

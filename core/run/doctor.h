@@ -2,8 +2,8 @@
 #ifndef TMDEMPM_RUN_DOCTOR_H
 #define TMDEMPM_RUN_DOCTOR_H
 
-/* Each part is tried in a process of its own, which is ended after `timeout` s.  STATUS_RESOURCE if a plain run (no
- * pictures, no GPU) would not work here. */
-int run_doctor(double timeout);
+/* Tries the n named parts, all for n = 0; each in a process of its own, which is ended after `timeout` s.
+ * STATUS_RESOURCE if one does not work that a plain run (no pictures, no GPU) needs; STATUS_INPUT for unknown names. */
+int run_doctor(double timeout, int n, char *const *names);
 
 #endif
