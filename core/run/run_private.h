@@ -86,6 +86,7 @@ void images_free(struct images *images);
 void signals_install(void);
 int signals_stop(void);             /* the signal that asks to stop, or 0 */
 bool signals_take_checkpoint(void); /* SIGUSR1 came; asked once */
+int signals_descriptor(void);       /* poll() finds it readable when a signal has come that nobody has taken; -1 = none */
 
 /* ---- the run itself ---- */
 
