@@ -603,6 +603,19 @@ static int look_any(struct look *look, const char *source, double time, const st
 	return STATUS_OK;
 }
 
+static void look_take_title(struct look *look)
+{
+	const char *file = strrchr(look->source, '/');
+	file = file ? file + 1 : look->source;
+	if (*look->origin.name)
+		snprintf(look->name, sizeof look->name, "%.47s", look->origin.name);
+	else if (look->origin.point >= 0)
+		snprintf(look->name, sizeof look->name, "point_%lld", look->origin.point);
+	else
+		snprintf(look->name, sizeof look->name, "%.*s", (int)strcspn(file, "."), file);
+	look->view.name = look->name;
+}
+
 int look_open(struct look *look, const char *source, double time, const struct look_choice *choice)
 {
 	*look = (struct look){.origin = {.point = -1, .T = NAN}, .x = {NAN, NAN}, .skip = -1};
@@ -611,7 +624,7 @@ int look_open(struct look *look, const char *source, double time, const struct l
 		return error_set(STATUS_RESOURCE, "out of memory");
 	CHECK(look_any(look, source, time, choice));
 	look->view.time = look->origin.time;
-	look->view.name = *look->origin.name ? look->origin.name : "picked";
+	look_take_title(look);
 	return STATUS_OK;
 }
 

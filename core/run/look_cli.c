@@ -35,7 +35,7 @@ static const char help_show_rest[] =
 	"  --before T|FILE  beside how it was at that time of the run, or in that file\n"
 	"  --field FIELD    colours of the discs: displacement (default), rotation, coordination, temperature or radius\n"
 	"  --map MAP        viridis, inferno or coolwarm (for signed fields; the default of rotation)\n"
-	"  --size WxH       pixels (1000x800; of a pair 1600x800)\n"
+	"  --size WxH       pixels (1000x800; of a pair 1600x740)\n"
 	"  --vtp F          writes F_discs.vtp and F_contacts.vtp for ParaView\n";
 
 static const char help_extract[] =
@@ -276,23 +276,28 @@ static void describe_image(struct frame_image *image, const struct look_options 
 			 : strcmp(image->field, "rotation") ? "viridis"
 												: "coolwarm");
 	image->size[0] = o->size[0] ? o->size[0] : before ? 1600 : 1000;
-	image->size[1] = o->size[1] ? o->size[1] : 800;
+	image->size[1] = o->size[1] ? o->size[1] : before ? 740 : 800;
 }
 
 static int draw(const struct look_options *o, const struct look *look, const struct look *before, const void *frame,
 				int64_t bytes)
 {
 	struct frame_image image;
-	struct viewer *viewer;
-	char failure[1024] = "";
+	struct viewer *viewer = NULL;
+	char failure[1024] = "", log[] = "/tmp/tmdempm-viewer-XXXXXX";
+	int made = mkstemp(log);
+	if (made >= 0)
+		close(made);
 	describe_image(&image, o, look, before);
-	CHECK(viewer_start(&viewer, 1, &image, NULL));
-	int status = viewer_draw(viewer, frame, bytes, 0, o->image);
+	int status = viewer_start(&viewer, 1, &image, made >= 0 ? log : NULL);
+	CHECK(status); /* with the name of the log, which stays */
+	status = viewer_draw(viewer, frame, bytes, 0, o->image);
 	if (status == STATUS_OK)
 		status = viewer_flush(viewer);
 	const char *notice = viewer_notice(viewer);
 	snprintf(failure, sizeof failure, "%s", notice ? notice : "");
 	int failed = viewer_finish(viewer);
+	unlink(log); /* what a viewer says by the way matters to nobody here */
 	if (status == STATUS_OK && failed > 0)
 		status = error_set(STATUS_RESOURCE, "%s", *failure ? failure : "the picture could not be drawn");
 	if (status == STATUS_OK)
