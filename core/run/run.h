@@ -13,6 +13,8 @@ struct run_options {
 	const char *device;      /* "cpu" */
 	const char *restart;     /* checkpoint file or NULL */
 	double until;            /* s, NAN = the scene's end */
+	const char *steering;    /* log of another run's steering, to be repeated; or NULL */
+	bool paused;             /* waits before the first step until somebody says to go on */
 	bool quiet, force, allow_path_change;
 };
 

@@ -1,5 +1,5 @@
-#include <signal.h>
 #include <errno.h>
+#include <signal.h>
 #include <stdint.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -10,7 +10,7 @@
 
 static volatile sig_atomic_t stop_signal, checkpoint_wanted;
 static volatile sig_atomic_t stop_second; /* of the monotonic clock, when the first request to stop came */
-static int signals_event = -1;   /* readable when a signal has come: any thread may have taken it */
+static int signals_event = -1;            /* readable when a signal has come: any thread may have taken it */
 
 static void signals_wake(void)
 {

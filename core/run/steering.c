@@ -10,7 +10,7 @@
 #include "io/file.h"
 #include "run/run_private.h"
 
-enum { QUEUE_MOST = 1000, PAUSERS_MOST = 16, SOURCE = 64, WAIT_MS = 1000 };
+enum { QUEUE_MOST = 1000, PAUSERS_MOST = 32, SOURCE = 64, WAIT_MS = 1000 };
 
 static const double look_every = 5e-3; /* s between looks at the transports */
 static const char log_columns[] = "time,step,source,command";
@@ -120,18 +120,17 @@ static void log_command(struct steering *s, const char *source, const struct ste
 
 bool steering_paused(const struct steering *s) { return s->n_pausers > 0 && s->until < 0; }
 
-static void pauser_remove(struct steering *s, int k) { s->pausers[k] = s->pausers[--s->n_pausers]; }
-
 static int pauser_add(struct steering *s, const struct asked *asked, bool hold)
 {
+	void *holder = hold ? asked->asker : NULL;
 	int k = 0;
-	while (k < s->n_pausers && strcmp(s->pausers[k].source, asked->source) != 0)
+	while (k < s->n_pausers && (strcmp(s->pausers[k].source, asked->source) != 0 || s->pausers[k].holder != holder))
 		k++;
 	if (k == PAUSERS_MOST)
 		return error_set(STATUS_INPUT, "%d others have paused this run", k);
 	s->n_pausers += k == s->n_pausers;
 	snprintf(s->pausers[k].source, SOURCE, "%s", asked->source);
-	s->pausers[k].holder = hold ? asked->asker : NULL;
+	s->pausers[k].holder = holder;
 	return STATUS_OK;
 }
 
@@ -173,15 +172,22 @@ static int do_steps(struct steering *s, struct asked *asked, long long steps)
 	return STATUS_OK;
 }
 
+/* Its pauser has gone. */
+static void pauser_lost(struct steering *s, int k)
+{
+	char source[SOURCE];
+	memcpy(source, s->pausers[k].source, sizeof source);
+	s->pausers[k] = s->pausers[--s->n_pausers];
+	say(s, "steering: %s, which had paused the run, has gone%s", source, s->n_pausers ? "" : ": the run goes on");
+	if (s->n_pausers == 0)
+		steps_end(s);
+}
+
 void steering_source_lost(struct steering *s, const char *source)
 {
 	for (int k = s->n_pausers - 1; k >= 0; k--)
-		if (!strcmp(s->pausers[k].source, source)) {
-			pauser_remove(s, k);
-			say(s, "steering: %s has gone%s", source, s->n_pausers ? "" : ": the run goes on");
-		}
-	if (s->n_pausers == 0)
-		steps_end(s);
+		if (!strcmp(s->pausers[k].source, source))
+			pauser_lost(s, k);
 }
 
 void steering_forget(struct steering *s, void *asker)
@@ -193,7 +199,7 @@ void steering_forget(struct steering *s, void *asker)
 		s->stepper.answer = NULL, s->stepper.asker = NULL;
 	for (int k = s->n_pausers - 1; k >= 0; k--)
 		if (s->pausers[k].holder && s->pausers[k].holder == asker)
-			steering_source_lost(s, s->pausers[k].source);
+			pauser_lost(s, k);
 }
 
 /* ---- commands ---- */
@@ -496,8 +502,16 @@ int steering_close(struct steering *s)
 		answer(s, &s->stepper, STATUS_RESOURCE, ended);
 	for (int k = 0; k < s->n_queue; k++)
 		answer(s, &s->queue[k], STATUS_RESOURCE, ended);
+	s->n_queue = 0;
 	int status = s->log ? csv_close(s->log) : STATUS_OK;
+	s->log = NULL;
+	return status;
+}
+
+void steering_free(struct steering *s)
+{
+	if (!s)
+		return;
 	free(s->queue);
 	free(s);
-	return status;
 }

@@ -29,8 +29,8 @@ struct steering;
  * Never fails towards the caller: what is wrong is said in the run's log. */
 void steering_offer(struct steering *steering, const char *source, const char *command);
 
-/* The source has gone (its client has left, died, or cannot be reached): a run that it has paused goes on, unless another
- * source has paused it too. */
+/* The source has gone (its client has left, died, or cannot be reached): a run that it has paused goes on, unless
+ * another source has paused it too. */
 void steering_source_lost(struct steering *steering, const char *source);
 
 /* The same for an asker who is told what became of it: `answer` is called once, with STATUS_OK and what was done when
@@ -96,7 +96,8 @@ int steering_create(struct steering **steering, const struct steering_host *host
  * another folder's, the rows are copied to ours. */
 int steering_restore(struct steering *steering, const char *from);
 
-/* Between two steps: what has been asked for is done; returns when the run shall go on.  A failure is that of the log. */
+/* Between two steps: what has been asked for is done; returns when the run shall go on.  A failure is that of the log.
+ */
 int steering_between(struct steering *steering);
 
 /* Has somebody asked to stop? */
@@ -108,7 +109,8 @@ double steering_pause_time(const struct steering *steering);
 
 int steering_sync(struct steering *steering);
 
-/* The run has ended: whoever still waits is told so.  NULL is allowed. */
+/* The run has ended: whoever still waits is told so, and the log is closed.  NULL is allowed, here and below. */
 int steering_close(struct steering *steering);
+void steering_free(struct steering *steering);
 
 #endif

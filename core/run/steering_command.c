@@ -17,7 +17,8 @@ const char steering_help[] =
 	"  stop=1                     saves and leaves (exit code 130), as SIGTERM\n"
 	"  inspect.NAME=point:ID      inspects the RVE of this point under this name, which may be new\n"
 	"  inspect.NAME=at:X,Y        that of the point nearest to (X, Y) now, m\n"
-	"  inspect.NAME=RULE          hottest, most_sheared, highest_pressure or most_broken: whichever it is when something\n"
+	"  inspect.NAME=RULE          hottest, most_sheared, highest_pressure or most_broken: whichever it is when "
+	"something\n"
 	"                             is drawn or written\n"
 	"  inspect.NAME=none          no longer\n"
 	"  images.NAME.every=SECONDS  another interval for a picture of the scene; 0 = no more\n";
@@ -84,8 +85,8 @@ static int parse_target(struct steering_command *command, const char *text, cons
 	}
 	if (!strncmp(value, "at:", 3)) {
 		command->target = STEER_AT;
-		bool place = parse_number(value + 3, ',', &command->at[0], &rest) &&
-					 parse_number(rest, '\0', &command->at[1], &rest);
+		bool place =
+			parse_number(value + 3, ',', &command->at[0], &rest) && parse_number(rest, '\0', &command->at[1], &rest);
 		return place ? STATUS_OK : expected(text, "a place X,Y in m behind at:");
 	}
 	command->target = STEER_RULE;

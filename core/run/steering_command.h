@@ -13,13 +13,13 @@ enum steering_target { STEER_NOTHING, STEER_POINT, STEER_AT, STEER_RULE };
 struct steering_command {
 	enum steering_verb verb;
 	enum steering_pause pause;
-	long long steps;           /* STEER_STEP */
-	char name[SCENE_NAME];     /* of the RVE or the picture */
+	long long steps;       /* STEER_STEP */
+	char name[SCENE_NAME]; /* of the RVE or the picture */
 	enum steering_target target;
-	int point;                 /* its id */
-	double at[2];              /* m */
+	int point;    /* its id */
+	double at[2]; /* m */
 	const struct rve_rule *rule;
-	double every;              /* s; 0 = never */
+	double every; /* s; 0 = never */
 };
 
 enum { STEERING_TEXT = 256 }; /* bytes of a command, with its end */

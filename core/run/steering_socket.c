@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* O_PATH, accept4, SO_PEERCRED */
 #include "run/steering_socket.h"
 
 #include <errno.h>
@@ -21,9 +22,8 @@ static const char socket_name[] = "steering.socket";
 struct client {
 	struct steering_socket *owner;
 	int descriptor; /* -1 = free */
-	char source[32];
-	bool waiting; /* for the answer to its last line */
-	bool ended;   /* says no more, but listens */
+	bool waiting;   /* for the answer to its last line */
+	bool ended;     /* says no more, but listens */
 	size_t used;
 	char lines[LINES]; /* received and not yet taken */
 };
@@ -33,7 +33,6 @@ struct steering_socket {
 	int folder;                /* borrowed */
 	int listener, epoll;
 	bool bound;
-	int n_clients; /* so far */
 	struct client clients[CLIENTS];
 };
 
@@ -111,7 +110,7 @@ static void client_take(struct client *client)
 			client_state(client);
 		} else {
 			client->waiting = true;
-			steering_ask(client->owner->steering, client->source, line, client_answered, client);
+			steering_ask(client->owner->steering, "steer", line, client_answered, client);
 		}
 	}
 }
@@ -183,7 +182,6 @@ static void socket_accept(struct steering_socket *s)
 	client->descriptor = descriptor;
 	client->used = 0;
 	client->waiting = client->ended = false;
-	snprintf(client->source, sizeof client->source, "steer %d", ++s->n_clients);
 }
 
 static int socket_descriptor(void *data) { return ((struct steering_socket *)data)->epoll; }

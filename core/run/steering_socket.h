@@ -13,7 +13,8 @@ struct steering_socket;
 
 /* Listens in `folder` (open as `descriptor`, and ours alone: a socket that lies there is of a run that was killed), and
  * serves as a transport of `steering`. */
-int steering_socket_create(struct steering_socket **socket, struct steering *steering, const char *folder, int descriptor);
+int steering_socket_create(struct steering_socket **socket, struct steering *steering, const char *folder,
+						   int descriptor);
 
 /* Removes the socket; after steering_close(), which answers those who wait.  NULL is allowed. */
 void steering_socket_close(struct steering_socket *socket);
