@@ -32,23 +32,25 @@ static int run_path(const struct run *run, const char *name, char path[FILE_PATH
 static int run_output(struct run *run, bool last)
 {
 	struct mpm *mpm = run->mpm;
-	double start = clock_seconds(), waited = images_waited(run->images);
+	double start = clock_seconds(), waited = watch_waited(run);
 	bool row_due = schedule_due(run->history_every, mpm->step);
 	if (row_due || last) {
 		mpm_measure(mpm);
 		CHECK(history_row(run->history, row_due));
 	}
 	bool snapshot = schedule_due(run->snapshot_every, mpm->step) || (last && run->snapshot_every > 0);
-	bool vtk = snapshot && run->scene->output.vtk, pictures = images_due(run->images, mpm->step, last);
+	bool vtk = snapshot && run->scene->output.vtk;
+	unsigned watchers = watch_due(run, last);
 	const void *frame = NULL;
 	int64_t bytes = 0;
-	if (vtk || pictures)
+	double begun = clock_seconds();
+	if (vtk || watchers)
 		CHECK(frame_build(run->builder, mpm, run->fields, &frame, &bytes));
-	if (pictures)
-		images_draw(run->images, frame, bytes, mpm->step, last);
+	if (watchers)
+		watch_show(run, watchers, frame, bytes, last, clock_seconds() - begun);
 	if (snapshot)
 		CHECK(snapshots_write(run->snapshots, vtk ? frame : NULL));
-	run->output_time += clock_seconds() - start - (images_waited(run->images) - waited);
+	run->output_time += clock_seconds() - start - (watch_waited(run) - waited);
 	return STATUS_OK;
 }
 
@@ -56,13 +58,13 @@ static int run_output(struct run *run, bool last)
 static int run_save(struct run *run, const char *name, bool whole)
 {
 	char path[FILE_PATH];
-	double start = clock_seconds(), waited = images_waited(run->images);
-	images_flush(run->images);
+	double start = clock_seconds(), waited = watch_waited(run);
+	watch_flush(run);
 	CHECK(history_sync(run->history));
 	CHECK(paths_sync(run->paths));
 	CHECK(run_path(run, name, path));
 	CHECK(checkpoint_write(path, run->mpm, &run->memory, whole));
-	run->output_time += clock_seconds() - start - (images_waited(run->images) - waited);
+	run->output_time += clock_seconds() - start - (watch_waited(run) - waited);
 	return STATUS_OK;
 }
 
@@ -149,6 +151,7 @@ static int run_prepare(struct run *run)
 	CHECK(folder_name(run->folder, options->out, options->restart, options->scene_path));
 	CHECK(scene_load(&run->scene, options->scene_path, options->n_sets, options->sets, stderr));
 	CHECK(images_check(run->scene, stderr));
+	CHECK(scripts_check(options));
 	CHECK(run_set_times(run));
 	CHECK(folder_check(run->folder, options->force, restart));
 	if (restart)
@@ -195,7 +198,7 @@ static int run_open(struct run *run)
 	run->builder = frame_builder_create();
 	if (!run->builder)
 		return error_set(STATUS_RESOURCE, "out of memory");
-	CHECK(images_create(&run->images, run->mpm, run->folder, &run->log));
+	CHECK(watch_open(run));
 	return report_write(run, "running");
 }
 
@@ -260,7 +263,7 @@ static int run_all(struct run *run)
 static void run_close(struct run *run)
 {
 	log_close(&run->log);
-	images_free(run->images);
+	watch_free(run);
 	snapshots_free(run->snapshots);
 	frame_builder_free(run->builder);
 	fields_free(run->fields);
@@ -288,7 +291,7 @@ static int run_finish(struct run *run, int status)
 {
 	char message[2048];
 	snprintf(message, sizeof message, "%s", status == STATUS_OK ? "" : error_message());
-	images_finish(run->images);
+	watch_finish(run);
 	int closed[2] = {history_close(run->history), paths_close(run->paths)};
 	for (int i = 0; i < 2; i++)
 		if (status == STATUS_OK && closed[i] != STATUS_OK)

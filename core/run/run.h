@@ -13,6 +13,9 @@ struct run_options {
 	const char *device;      /* "cpu" */
 	const char *restart;     /* checkpoint file or NULL */
 	double until;            /* s, NAN = the scene's end */
+	const char *live;        /* "port", "host:port", "" = the scene's or default ones; NULL = not asked for */
+	int n_pipelines;
+	const char *const *pipelines; /* ParaView Catalyst scripts */
 	bool quiet, force, allow_path_change;
 };
 

@@ -427,3 +427,27 @@ void read_range(struct loader *loader, const struct scene_key *key, struct node 
 	else if (read_numbers(loader, key, node, 2, image->range, path) && image->range[0] >= image->range[1])
 		problem_at(loader, node->place, path, "is [%g, %g], expected min < max", image->range[0], image->range[1]);
 }
+
+/* ---- catalyst ---- */
+
+/* As with packings: absolute in the scene's text, so that it means the same wherever that is stored. */
+void read_pipelines(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					const char *path)
+{
+	struct scene_catalyst *catalyst = target;
+	char absolute[PATH_MAX];
+	if (!is_string_list(loader, key, node, path))
+		return;
+	catalyst->pipelines = scene_alloc(loader, ((size_t)node->n + 1) * sizeof *catalyst->pipelines);
+	for (int k = 0; k < node->n; k++) {
+		struct node *script = node->children[k];
+		const char *seen =
+			script->place.line > 0 ? path_beside(loader, script->place.file, script->string) : script->string;
+		if (!realpath(seen, absolute) || access(absolute, R_OK)) {
+			problem_at(loader, script->place, path, "'%s' cannot be read, expected a script of ParaView Catalyst", seen);
+			continue;
+		}
+		script->string = loader_string(loader, absolute);
+		catalyst->pipelines[catalyst->n_pipelines++] = scene_string(loader, absolute);
+	}
+}

@@ -28,6 +28,7 @@ READER(read_stage_then);
 READER(read_probe_where);
 READER(read_component);
 READER(read_range);
+READER(read_pipelines);
 
 #undef READER
 

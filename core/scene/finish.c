@@ -86,9 +86,11 @@ static void finish_output(struct scene *scene)
 	output->history_every = otherwise(output->history_every, end / 200.0);
 	output->snapshot_every = otherwise(output->snapshot_every, end / 20.0);
 	output->checkpoint_every = otherwise(output->checkpoint_every, end / 10.0);
+	double pictures = output->snapshot_every > 0.0 ? output->snapshot_every : end / 20.0;
+	scene->catalyst.every = otherwise(scene->catalyst.every, pictures);
 	for (int k = 0; k < scene->n_images; k++) {
 		struct scene_image *image = &scene->images[k];
-		image->every = otherwise(image->every, output->snapshot_every > 0.0 ? output->snapshot_every : end / 20.0);
+		image->every = otherwise(image->every, pictures);
 		for (int a = 0; a < 2 && image->kind == SCENE_IMAGE_POINTS; a++) {
 			image->view[a] = otherwise(image->view[a], scene->grid.origin[a]);
 			image->view[a + 2] = otherwise(image->view[a + 2], scene->grid.origin[a] + scene->grid.size[a]);

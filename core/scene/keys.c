@@ -418,6 +418,25 @@ static const struct scene_key image_keys[] = {
 	 .doc = "between pictures"},
 	END};
 
+static const struct scene_key live_keys[] = {
+	{.name = "on", .type = KEY_BOOL, AT(scene_live, on), .value = "false", .doc = "look for a listening ParaView without being told by --live"},
+	{.name = "host", .type = KEY_STRING, AT(scene_live, host), .count = SCENE_NAME, .value = "\"127.0.0.1\"", .doc = "where it listens"},
+	{.name = "port", .type = KEY_INT, AT(scene_live, port), .value = "22222", .range = RANGE_WITHIN, .min = 1, .max = 65534,
+	 .doc = "at this port; the data goes to the next one"},
+	{.name = "every", .type = KEY_INT, AT(scene_live, every), .value = "10", .range = RANGE_WITHIN, .min = 1, .max = 1000000000,
+	 .doc = "steps between frames that it is offered"},
+	{.name = "share", .type = KEY_FLOAT, AT(scene_live, share), .value = "0.2", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "of the run's time that this may take; beyond it frames thin out"},
+	END};
+
+static const struct scene_key catalyst_keys[] = {
+	{.name = "pipelines", .type = KEY_CUSTOM, .absent = "none", .read = read_pipelines,
+	 .expected = "a list of scripts: (\"../pipelines/images.py\", ...)", .doc = "scripts of ParaView Catalyst (Python), seen from this file"},
+	{.name = "every", .type = KEY_FLOAT, AT(scene_catalyst, every), .unit = "s", .absent = "output.snapshot_every", .range = RANGE_POSITIVE,
+	 .doc = "between frames that they get"},
+	{.name = "live", .type = KEY_GROUP, AT(scene_catalyst, live), KEYS(live_keys), .doc = "a ParaView that watches the run"},
+	END};
+
 static const struct scene_key guards_keys[] = {
 	{.name = "energy_residual", .type = KEY_FLOAT, AT(scene_guards, energy_residual), .value = "0.1", .range = RANGE_NOT_NEGATIVE,
 	 .doc = "share of the work done that may go astray before the run is stopped; 0 = off"},
@@ -464,6 +483,7 @@ static const struct scene_key root_keys[] = {
 	 .doc = "RVEs written to files with their path, to be drawn"},
 	{.name = "output", .type = KEY_GROUP, AT(scene, output), KEYS(output_keys), .doc = "what is written, how often"},
 	{.name = "images", LIST(scene, images, n_images), KEYS(image_keys), .absent = "none", .doc = "pictures drawn during the run"},
+	{.name = "catalyst", .type = KEY_GROUP, AT(scene, catalyst), KEYS(catalyst_keys), .doc = "ParaView in the run: scripts, a live view"},
 	{.name = "guards", .type = KEY_GROUP, AT(scene, guards), KEYS(guards_keys), .doc = "limits at which a run is stopped"},
 	END};
 

@@ -308,6 +308,21 @@ struct scene_image {
 	struct scene_place place;
 };
 
+struct scene_live {
+	bool on;               /* false: only with --live */
+	char host[SCENE_NAME]; /* where a ParaView listens */
+	int port;              /* and the next one, for the data */
+	int every;             /* steps between frames */
+	double share;          /* of the run's time that the viewer may take */
+};
+
+struct scene_catalyst {
+	int n_pipelines;
+	char **pipelines; /* absolute paths of scripts */
+	double every;     /* s between frames for them; default output.snapshot_every */
+	struct scene_live live;
+};
+
 struct scene_guards {
 	double energy_residual; /* share of the work done that the residual may reach; 0 = off; default 0.1 */
 	double energy_created;  /* share of the work done that the time integration may make of nothing; 0 = off; default 0.75 */
@@ -342,6 +357,7 @@ struct scene {
 	struct scene_inspect *inspect;
 	struct scene_image *images;
 	struct scene_output output;
+	struct scene_catalyst catalyst;
 	struct scene_guards guards;
 	void *storage; /* private: strings and arrays live here */
 };
