@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/error.h"
 #include "mpm/shape.h"
@@ -47,10 +48,43 @@ static void report_times(struct json *json, const struct run *run)
 	json_number(json, "law", 1e-9 * (double)run->mpm->law_time_ns);
 	json_number(json, "mpm", 1e-9 * (double)run->mpm->mpm_time_ns);
 	json_number(json, "output", run->output_time);
-	json_number(json, "viewer_wait", images_waited(run->images));
+	json_number(json, "viewer_wait", watch_waited(run));
 	json_number(json, "total", report_loop_time(run));
 	json_number(json, "cpu", run->loop_cpu);
 	json_number(json, "paused", steering_pause_time(run->steering)); /* not in the total */
+	json_close(json, '}');
+}
+
+/* The share of the run's time that viewers have taken: what the engine waited and worked for them, and their processor
+ * time, spread over the cores. */
+static double report_viewer_share(const struct run *run)
+{
+	struct live_counts live = {0};
+	long cores = sysconf(_SC_NPROCESSORS_ONLN);
+	double cost = watch_waited(run), total = report_loop_time(run);
+	live_get_counts(run->live, &live);
+	for (int k = 0; k < WATCHERS; k++)
+		cost += watch_cpu(run, k) / (double)(cores > 0 ? cores : 1);
+	return total > 0 ? (cost + live.seconds) / total : 0;
+}
+
+static void report_viewers(struct json *json, const struct run *run)
+{
+	static const char *const names[WATCHERS] = {"cpu_images", "cpu_scripts", "cpu_live"};
+	struct live_counts live;
+	json_open(json, "viewers", '{');
+	json_number(json, "share", report_viewer_share(run));
+	for (int k = 0; k < WATCHERS; k++)
+		json_number(json, names[k], watch_cpu(run, k));
+	if (live_get_counts(run->live, &live)) {
+		json_open(json, "live", '{');
+		json_integer(json, "clients", live.clients);
+		json_integer(json, "shown", live.shown);
+		json_integer(json, "dropped", live.dropped);
+		json_integer(json, "thinned_out", live.thinned);
+		json_number(json, "share_max", live.share_max);
+		json_close(json, '}');
+	}
 	json_close(json, '}');
 }
 
@@ -177,6 +211,7 @@ static void report_fill(struct json *json, const struct run *run, const char *st
 	if (run->mpm->thermal)
 		json_number(json, "thermal_time_scale", run->scene->thermal.time_scale);
 	report_times(json, run);
+	report_viewers(json, run);
 	report_counts(json, run);
 	report_outcome(json, run, state);
 	json_close(json, '}');
@@ -254,7 +289,7 @@ static void report_task(struct run *run, const char *task, double seconds, doubl
 static void report_print_times(struct run *run)
 {
 	double law = 1e-9 * (double)run->mpm->law_time_ns, mpm = 1e-9 * (double)run->mpm->mpm_time_ns;
-	double viewer = images_waited(run->images), total = report_loop_time(run);
+	double viewer = watch_waited(run), total = report_loop_time(run);
 	double steps = (double)(run->mpm->step - run->first_step);
 	struct law_counts counts;
 	run_counts(run, &counts);
@@ -264,6 +299,9 @@ static void report_print_times(struct run *run)
 	report_task(run, "output", run->output_time, total);
 	report_task(run, "viewer wait", viewer, total);
 	report_task(run, "total", total, total);
+	if (report_viewer_share(run) > 0)
+		log_line(&run->log, "  viewers took %.1f %% of the time (waited for, and on the machine's cores)",
+				 100 * report_viewer_share(run));
 	log_line(&run->log, "  %.4g point-steps/s, %.4g disc-steps/s", report_rate(steps * run->mpm->p.n, total),
 			 report_rate((double)(counts.disc_steps - run->first_disc_steps), total));
 	if (counts.disc_steps > 0)

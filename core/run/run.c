@@ -31,23 +31,25 @@ static int run_path(const struct run *run, const char *name, char path[FILE_PATH
 int run_output(struct run *run, bool last)
 {
 	struct mpm *mpm = run->mpm;
-	double start = clock_seconds(), waited = images_waited(run->images);
+	double start = clock_seconds(), waited = watch_waited(run);
 	bool row_due = schedule_due(run->history_every, mpm->step);
 	if (row_due || last) {
 		mpm_measure(mpm);
 		CHECK(history_row(run->history, row_due));
 	}
 	bool snapshot = schedule_due(run->snapshot_every, mpm->step) || (last && run->snapshot_every > 0);
-	bool vtk = snapshot && run->scene->output.vtk, pictures = images_due(run->images, mpm->step, last);
+	bool vtk = snapshot && run->scene->output.vtk;
+	unsigned watchers = watch_due(run, last);
 	const void *frame = NULL;
 	int64_t bytes = 0;
-	if (vtk || pictures)
+	double begun = clock_seconds();
+	if (vtk || watchers)
 		CHECK(frame_build(run->builder, mpm, run->fields, run->inspected, &frame, &bytes));
-	if (pictures)
-		images_draw(run->images, frame, bytes, mpm->step, last);
+	if (watchers)
+		watch_show(run, watchers, frame, bytes, last, clock_seconds() - begun);
 	if (snapshot)
 		CHECK(snapshots_write(run->snapshots, vtk ? frame : NULL));
-	run->output_time += clock_seconds() - start - (images_waited(run->images) - waited);
+	run->output_time += clock_seconds() - start - (watch_waited(run) - waited);
 	return STATUS_OK;
 }
 
@@ -55,14 +57,14 @@ int run_output(struct run *run, bool last)
 static int run_save(struct run *run, const char *name, bool whole)
 {
 	char path[FILE_PATH];
-	double start = clock_seconds(), waited = images_waited(run->images);
-	images_flush(run->images);
+	double start = clock_seconds(), waited = watch_waited(run);
+	watch_flush(run);
 	CHECK(history_sync(run->history));
 	CHECK(paths_sync(run->paths));
 	CHECK(steering_sync(run->steering));
 	CHECK(run_path(run, name, path));
 	CHECK(checkpoint_write(path, run->mpm, &run->memory, whole));
-	run->output_time += clock_seconds() - start - (images_waited(run->images) - waited);
+	run->output_time += clock_seconds() - start - (watch_waited(run) - waited);
 	return STATUS_OK;
 }
 
@@ -154,6 +156,7 @@ static int run_prepare(struct run *run)
 	CHECK(images_check(run->scene, stderr));
 	if (options->steering)
 		CHECK(steering_script_read(&run->script, options->steering));
+	CHECK(scripts_check(options));
 	CHECK(run_set_times(run));
 	CHECK(folder_check(run->folder, options->force, restart));
 	if (restart)
@@ -196,7 +199,7 @@ static int run_open(struct run *run)
 	CHECK(run_path(run, "history.csv", path));
 	bool continues = run->options->restart && file_exists(path);
 	CHECK(history_create(&run->history, path, run->mpm, run->fields, &run->memory, continues));
-	CHECK(images_create(&run->images, run->mpm, run->folder, &run->log));
+	CHECK(watch_open(run));
 	CHECK(steered_open(run, continues));
 	CHECK(paths_create(&run->paths, run->inspected, run->folder, run->options->restart, &run->log));
 	CHECK(snapshots_create(&run->snapshots, run->inspected, run->folder, continues));
@@ -267,7 +270,7 @@ static int run_all(struct run *run)
 static void run_close(struct run *run)
 {
 	log_close(&run->log);
-	images_free(run->images);
+	watch_free(run);
 	snapshots_free(run->snapshots);
 	frame_builder_free(run->builder);
 	steering_free(run->steering);
@@ -298,7 +301,7 @@ static int run_finish(struct run *run, int status)
 {
 	char message[2048];
 	snprintf(message, sizeof message, "%s", status == STATUS_OK ? "" : error_message());
-	images_finish(run->images);
+	watch_finish(run);
 	int closed[] = {steering_close(run->steering), history_close(run->history), paths_close(run->paths)};
 	steering_socket_close(run->socket);
 	for (size_t i = 0; i < sizeof closed / sizeof *closed; i++)

@@ -7,8 +7,10 @@
 #include "run/fields.h"
 #include "run/history.h"
 #include "run/inspected.h"
+#include "run/live.h"
 #include "run/log.h"
 #include "run/run.h"
+#include "run/sink.h"
 #include "run/steering_socket.h"
 #include "run/viewer.h"
 
@@ -81,14 +83,44 @@ int images_set_every(struct images *images, const char *name, double seconds);
 double images_every(const struct images *images, int i);
 /* Asks for the pictures that are due. */
 void images_draw(struct images *images, const void *frame, int64_t bytes, long long step, bool last);
-/* Returns when everything asked for is drawn: before a checkpoint, which says that all before it is done. */
-void images_flush(struct images *images);
-double images_waited(const struct images *images);
-/* Waits for the pictures and ends the viewer. */
-void images_finish(struct images *images);
+struct sink *images_sink(struct images *images);
 int images_count(const struct images *images);
 const char *images_file(const struct images *images, int i); /* relative to the folder, in the order of drawing */
 void images_free(struct images *images);
+
+/* ---- scripts.c: ParaView Catalyst pipelines ---- */
+
+struct scripts;
+
+/* Are the scripts of the command line there? */
+int scripts_check(const struct run_options *options);
+/* Starts the viewer if the scene or --pipeline asks for scripts; without one the run goes on, with a warning. */
+int scripts_create(struct scripts **scripts, const struct scene *scene, const struct run_options *options,
+				   const char *folder, struct run_log *log);
+bool scripts_due(const struct scripts *scripts, long long step, bool last);
+void scripts_give(struct scripts *scripts, const void *frame, int64_t bytes, bool last);
+struct sink *scripts_sink(struct scripts *scripts);
+void scripts_free(struct scripts *scripts);
+
+/* ---- watch.c: all of those together ---- */
+
+enum { WATCHERS = 3 }; /* pictures, scripts, live */
+enum { WATCH_IMAGES = 1, WATCH_SCRIPTS = 2, WATCH_LIVE = 4 };
+
+struct run;
+
+int watch_open(struct run *run);
+/* Who wants a frame of the state as it is: a sum of WATCH_. */
+unsigned watch_due(struct run *run, bool last);
+/* Hands it to them; `seconds` = what it took to make it. */
+void watch_show(struct run *run, unsigned due, const void *frame, int64_t bytes, bool last, double seconds);
+/* Returns when everything asked for is drawn and done: before a checkpoint, which says that all before it is. */
+void watch_flush(struct run *run);
+double watch_waited(const struct run *run);    /* s that the engine has waited for viewers */
+double watch_cpu(const struct run *run, int k); /* s of processor time, of watcher k */
+/* Waits for what is outstanding and ends the viewers. */
+void watch_finish(struct run *run);
+void watch_free(struct run *run);
 
 /* ---- signals.c ---- */
 
@@ -114,6 +146,8 @@ struct run {
 	struct paths *paths;
 	struct snapshots *snapshots;
 	struct images *images;
+	struct scripts *scripts;
+	struct live *live;
 	struct frame_builder *builder;
 	char folder[FILE_PATH];
 	int folder_lock; /* open as long as the folder is ours */
