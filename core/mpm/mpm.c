@@ -541,6 +541,9 @@ int mpm_state(struct mpm *mpm, struct mpm_state_array *arrays)
 	struct mpm_work *w = mpm_work(mpm);
 	size_t walls = (size_t)mpm->scene->n_walls;
 	int n = particles_state(&mpm->p, arrays, 0);
+	for (int l = 0; arrays && l < mpm->n_laws; l++)
+		if (mpm->laws[l]->type->write_out)
+			mpm->laws[l]->type->write_out(mpm->laws[l]);
 	for (int l = 0; l < mpm->n_laws; l++)
 		n = add_array(arrays, n, w->law_names[l], mpm->laws[l]->states, 'b',
 					  (size_t)mpm->laws[l]->n_points * mpm->laws[l]->state_bytes);
@@ -568,6 +571,9 @@ int mpm_restored(struct mpm *mpm)
 	if (mpm->step < 0 || mpm->stage < 0 || (mpm->stage > 0 && mpm->stage >= mpm->scene->n_stages))
 		return error_set(STATUS_INPUT, "the saved state is at step %lld of stage %d, which this scene does not have",
 						 mpm->step, mpm->stage);
+	for (int l = 0; l < mpm->n_laws; l++)
+		if (mpm->laws[l]->type->restored)
+			mpm->laws[l]->type->restored(mpm->laws[l]);
 	w->boundaries_stale = true;
 	w->residual_message[0] = '\0';
 	mpm->within_step = false;

@@ -121,6 +121,11 @@ static const struct scene_key bonds_keys[] = {
 	 .doc = "at and below this temperature the strength of linear softening is whole"},
 	END};
 
+static const struct scene_key economy_keys[] = {
+	{.name = "twins", .type = KEY_BOOL, AT(scene_economy, twins), .value = "true",
+	 .doc = "RVEs that are equal bit for bit, and told the same, are computed once; changes no bit"},
+	END};
+
 #define LAW_KEYS \
 	{.name = "name", .type = KEY_NAME, AT(scene_law, name), .absent = "the material's name (in the list laws it is required)", \
 	 .doc = "by which materials refer to the law"}, \
@@ -147,6 +152,8 @@ static const struct scene_key rve_keys[] = {
 	 .doc = "the cell's discs at the start"},
 	{.name = "bonds", .type = KEY_GROUP, AT(scene_law, rve.bonds), KEYS(bonds_keys),
 	 .doc = "between discs, once a stage has installed them; at contacts that carry force"},
+	{.name = "economy", .type = KEY_GROUP, AT(scene_law, rve.economy), KEYS(economy_keys),
+	 .doc = "what need not be computed, and how wrong that may be"},
 	{.name = "kn", .type = KEY_FLOAT, AT(scene_law, rve.kn), .unit = "N/m", .value = "1e6", .range = RANGE_POSITIVE,
 	 .doc = "normal contact stiffness"},
 	{.name = "ks", .type = KEY_FLOAT, AT(scene_law, rve.ks), .unit = "N/m", .value = "1e6", .range = RANGE_NOT_NEGATIVE,

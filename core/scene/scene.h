@@ -103,9 +103,15 @@ struct scene_bonds {
 	double reference; /* K; at and below it the strength of linear softening is whole; default 0 C */
 };
 
+/* What is not computed; see law/twins.h. */
+struct scene_economy {
+	bool twins; /* RVEs that are equal bit for bit are computed once; true */
+};
+
 struct scene_law_rve {
 	struct scene_packing packing;
 	struct scene_bonds bonds;
+	struct scene_economy economy;
 	double kn, ks;          /* N/m; 1e6 each */
 	double mu;              /* 0.5 */
 	double damping_ratio;   /* zeta; 0.2 */
