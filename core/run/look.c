@@ -319,7 +319,9 @@ static int look_checkpoint(struct look *look, const struct look_choice *choice)
 	CHECK(checkpoint_read_scene(look->source, &text));
 	CHECK(look_make_mpm(look, text));
 	struct mpm *mpm = look->parts->mpm;
-	CHECK(checkpoint_look(look->source, mpm));
+	int status = checkpoint_look(look->source, mpm);
+	if (status != STATUS_OK)
+		return error_context(status, "this release cannot read that state");
 	struct look_points points = {.snapshot = -1, .n = mpm->p.n, .id = mpm->p.id, .x = mpm->p.x};
 	int point;
 	CHECK(look_choose(look, &points, choice, &point));
