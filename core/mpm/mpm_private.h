@@ -198,6 +198,7 @@ struct mpm_work {
 	double *boundary_T;      /* K, by scene boundary: imposed in this step, NAN = free */
 	double *wall_T;          /* K, by scene wall: the same, NAN = insulating */
 	bool boundaries_stale;   /* the walls have changed since then */
+	bool drives;             /* a body imposes its velocity on nodes */
 	int n_point_heats;
 	struct point_heat *point_heats; /* the boundaries with a flux or convection */
 
@@ -277,7 +278,7 @@ static inline void mpm_point_conductivity(const struct mpm *mpm, int p, double c
 }
 
 /* ---- particles.c ---- */
-int particles_create(struct particles *p, int n, bool affine, bool contacts);
+int particles_create(struct particles *p, int n, bool affine, bool damage, bool contacts);
 void particles_free(struct particles *p);
 /* New storage index k gets what was at permutation[k]. */
 void particles_permute(struct particles *p, const int *permutation, void *scratch);
