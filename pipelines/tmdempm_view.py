@@ -46,6 +46,12 @@ def range_of(data, field):
     return (low, high) if high > low else (low, low + max(1e-12, 1e-6 * abs(low)))
 
 
+def bounds_of(*sources):
+    """What holds all of these."""
+    boxes = [data.GetBounds() for data in map(data_of, sources) if data is not None]
+    return [(max if i % 2 else min)(box[i] for box in boxes) for i in range(6)] if boxes else [0, 1, 0, 1, 0, 0]
+
+
 def make_view(size=(1100, 850)):
     """A white sheet that looks straight at the plane."""
     view = CreateView("RenderView")
@@ -79,6 +85,7 @@ def colour(view, display, data, field, preset=None, title=None, limits=None):
     bar.Title, bar.ComponentTitle = (title or field.replace("_", " ")) + (" [%s]" % unit if unit else ""), ""
     bar.TitleColor, bar.LabelColor = BLACK, BLACK
     bar.TitleFontSize, bar.LabelFontSize = 15, 13
+    bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, "%.4g", "%.4g"
     bar.WindowLocation, bar.Position, bar.ScalarBarLength = "Any Location", [0.87, 0.2], 0.55
     bar.Visibility = 1
     display.SetScalarBarVisibility(view, True)
