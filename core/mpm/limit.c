@@ -200,16 +200,16 @@ static struct limit_sum judge_stripe(const struct mpm *mpm, struct mpm_work *w, 
 /* One product |A| x, and what it says. */
 static struct limit_sum sweep(struct mpm *mpm, struct mpm_work *w)
 {
-	int ny = mpm->grid.ny;
+	int rows = w->n_rows;
 	struct limit_sum most = {.stiffest = -1, .grown = -1, .hottest = -1};
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < ny; j++)
+	for (int j = 0; j < rows; j++)
 		if (w->row_high[j] >= w->row_low[j])
 			memset(w->limit_nodes + (size_t)j * (size_t)mpm->grid.nx + (size_t)w->row_low[j], 0,
 				   (size_t)(w->row_high[j] - w->row_low[j] + 1) * sizeof *w->limit_nodes);
 	mpm_each_stripe(mpm, scatter_stripe);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < ny; j++)
+	for (int j = 0; j < rows; j++)
 		finish_row(mpm, w, j);
 	hold_at_walls(mpm, w);
 #pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))

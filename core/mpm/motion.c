@@ -67,6 +67,6 @@ static void push_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 void motion_forces(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-	memset(w->body_force, 0, (size_t)mpm->grid.nx * (size_t)mpm->grid.ny * sizeof *w->body_force);
+	memset(w->body_force, 0, w->n_nodes * sizeof *w->body_force);
 	mpm_each_stripe(mpm, push_stripe);
 }

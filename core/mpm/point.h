@@ -72,7 +72,7 @@ INLINE void check_moved(struct mpm *mpm, struct mpm_work *w, int q, bool heat, s
 INLINE void first_node(const struct mpm *mpm, const struct shape_lists *lists, int at, int p, double r[2])
 {
 	const struct grid *grid = &mpm->grid;
-	int node = lists->node[at];
+	int node = mpm_home(mpm, lists->node[at]);
 	r[0] = grid->origin[0] + node % grid->nx * grid->spacing[0] - mpm->p.x[p][0];
 	r[1] = grid->origin[1] + node / grid->nx * grid->spacing[1] - mpm->p.x[p][1];
 }

@@ -91,12 +91,12 @@ void mpm_filter_nodes(struct mpm *mpm)
 	if (!w->filtered)
 		return;
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		begin_filter_row(mpm, w, j);
 	for (int k = 1; k < mpm->scene->mpm.xpic_order; k++) {
 		mpm_each_stripe(mpm, filter_stripe_any);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-		for (int j = 0; j < mpm->grid.ny; j++)
+		for (int j = 0; j < w->n_rows; j++)
 			filter_row(mpm, w, j);
 	}
 }
@@ -176,14 +176,14 @@ static void strain_velocities(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		clear_strain_row(mpm, w, j);
 	mpm_each_stripe(mpm, momentum_stripe_any);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		strain_row(mpm, w, j);
 	walls_hold(mpm);
-	for (int j = 0; j < mpm->grid.ny && w->fixed_v; j++)
+	for (int j = 0; j < w->n_rows && w->fixed_v; j++)
 		impose_strain_row(mpm, w, j);
 }
 

@@ -107,8 +107,9 @@ static void lift_point(const struct mpm *mpm, struct mpm_work *w, const struct s
 		int node = lists->node[at + a];
 		if (isnan(w->fixed_T[node]))
 			continue;
-		double x = grid->origin[0] + node % grid->nx * grid->spacing[0],
-			   y = grid->origin[1] + node / grid->nx * grid->spacing[1];
+		int home = mpm_home(mpm, node);
+		double x = grid->origin[0] + home % grid->nx * grid->spacing[0],
+			   y = grid->origin[1] + home / grid->nx * grid->spacing[1];
 		w->fixed_lift[node] +=
 			capacity * lists->weight[at + a] * (gx * (x - mpm->p.x[p][0]) + gy * (y - mpm->p.x[p][1]));
 	}
@@ -195,22 +196,24 @@ static void scatter_flows(struct mpm *mpm, struct mpm_work *w, double dt, bool f
 void mpm_heat_nodes(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-	int passes = mpm->scene->time.thermal_steps, ny = mpm->grid.ny;
+	int passes = mpm->scene->time.thermal_steps, rows = w->n_rows;
 	double dt = w->thermal_dt / passes;
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < ny; j++)
+	for (int j = 0; j < rows; j++)
 		begin_row(mpm, w, j);
 	for (int pass = 0; pass < passes; pass++) {
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-		for (int j = 0; j < ny; j++)
+		for (int j = 0; j < rows; j++)
 			source_row(mpm, w, j);
 		scatter_flows(mpm, w, dt, pass == 0, pass == passes - 1);
+		if (w->contact)
+			contact_exchange_heat(mpm, dt);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-		for (int j = 0; j < ny; j++)
+		for (int j = 0; j < rows; j++)
 			advance_row(mpm, w, j, dt);
 	}
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < ny; j++)
+	for (int j = 0; j < rows; j++)
 		w->heat_sums[j] = end_row(mpm, w, j);
 }
 
@@ -224,7 +227,7 @@ static void lift_at_birth(struct mpm *mpm, struct mpm_work *w)
 		mpm_lists(mpm, 1, &p, &lists);
 		lift_point(mpm, w, &lists, 0, p, lists.nodes, g[0], g[1]);
 	}
-	for (int node = 0; node < mpm->grid.nx * mpm->grid.ny; node++)
+	for (size_t node = 0; node < w->n_nodes; node++)
 		if (!isnan(w->fixed_T[node]) && w->sums[node].capacity > 0.0)
 			mpm->grid.T[node] += w->fixed_lift[node] / w->sums[node].capacity;
 }
@@ -234,7 +237,7 @@ void mpm_remap_temperature(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	struct shape_lists lists;
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		begin_row(mpm, w, j);
 	if (w->imposes_T)
 		lift_at_birth(mpm, w);

@@ -22,9 +22,9 @@ static inline int side_of(int nodes) { return nodes == 16 ? 4 : nodes == 9 ? 3 :
 void mpm_clear_grid(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-	int nx = mpm->grid.nx, ny = mpm->grid.ny;
+	int nx = mpm->grid.nx, rows = w->n_rows;
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < ny; j++) {
+	for (int j = 0; j < rows; j++) {
 		int low = w->row_low[j], n = w->row_high[j] - low + 1;
 		memset(mpm->grid.mass + (size_t)j * (size_t)nx, 0, (size_t)nx * sizeof *mpm->grid.mass);
 		if (n <= 0)
@@ -221,13 +221,15 @@ void mpm_integrate_nodes(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		integrate_row(mpm, w, j);
+	if (w->contact)
+		contact_apply(mpm);
 	walls_apply(mpm);
 	if (!w->fixed_v)
 		return;
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		impose_velocities(mpm, w, j);
 }
 
@@ -267,9 +269,11 @@ void mpm_finish_nodes(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		w->row_sums[j] = finish_row(mpm, w, j);
 	walls_account(mpm);
+	if (w->contact)
+		contact_account(mpm);
 }
 
 /* ---- grid to points ---- */

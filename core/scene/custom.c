@@ -107,16 +107,36 @@ static bool to_kelvin(struct loader *loader, struct node *node, double *value, c
 	return false;
 }
 
+/* Two temperatures, K; false (recorded) if they are none. */
+static bool read_temperatures(struct loader *loader, const struct scene_key *key, struct node *node, double between[2],
+							  const char *path)
+{
+	if (!read_numbers(loader, key, node, 2, between, path))
+		return false;
+	for (int k = 0; k < 2; k++)
+		if (!to_kelvin(loader, node, &between[k], path))
+			return false;
+	return true;
+}
+
+void read_softening(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					const char *path)
+{
+	double given[2];
+	if (!read_temperatures(loader, key, node, given, path))
+		return;
+	if (!(given[0] < given[1]))
+		problem_at(loader, node->place, path, "does not rise, expected %s", key->expected);
+	memcpy((char *)target + key->offset, given, sizeof given);
+}
+
 void read_freezing(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
 				   const char *path)
 {
 	double *between = (double *)((char *)target + key->offset);
 	double given[2];
-	if (!read_numbers(loader, key, node, 2, given, path))
+	if (!read_temperatures(loader, key, node, given, path))
 		return;
-	for (int k = 0; k < 2; k++)
-		if (!to_kelvin(loader, node, &given[k], path))
-			return;
 	if (given[0] > given[1])
 		problem_at(loader, node->place, path, "falls, expected %s", key->expected);
 	memcpy(between, given, sizeof given);
@@ -306,6 +326,23 @@ void read_motion_parameters(struct loader *loader, const struct scene_key *key, 
 	for (int k = 0; motion->solution && k < node->n; k++)
 		if (exact_set(motion->solution, motion->parameters, node->children[k]->string) != STATUS_OK)
 			problem_at(loader, node->children[k]->place, path, "has %s", error_message());
+}
+
+/* ---- contacts ---- */
+
+void read_contact_bodies(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+						 const char *path)
+{
+	struct scene_contact *contact = target;
+	if (!is_string_list(loader, key, node, path))
+		return;
+	if (node->n != 2) {
+		problem_at(loader, node->place, path, "has %d names, expected %s", node->n, key->expected);
+		return;
+	}
+	contact->n_bodies = 2;
+	for (int k = 0; k < 2; k++)
+		contact->bodies[k] = read_reference(loader, node->children[k], "bodies", path);
 }
 
 /* ---- stages ---- */

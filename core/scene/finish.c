@@ -56,6 +56,13 @@ static void finish_materials(struct scene *scene, const struct node *materials)
 	}
 }
 
+static void finish_contacts(struct scene *scene, const struct node *contacts)
+{
+	for (int k = 0; k < scene->n_contacts; k++)
+		if (!node_find(contacts->children[k], "softening"))
+			scene->contacts[k].softening[0] = scene->contacts[k].softening[1] = NAN;
+}
+
 static void finish_walls(struct scene *scene)
 {
 	for (int k = 0; k < scene->n_walls; k++) {
@@ -112,6 +119,8 @@ void finish_scene(struct loader *loader)
 	if (scene->n_bodies)
 		finish_bodies(scene, node_find(loader->root, "bodies"));
 	finish_walls(scene);
+	if (scene->n_contacts)
+		finish_contacts(scene, node_find(loader->root, "contacts"));
 	for (int a = 0; a < 2; a++)
 		scene->grid.fixed[a] = otherwise(scene->grid.fixed[a], scene->grid.origin[a]);
 	for (int k = 0; k < scene->n_stages; k++) {

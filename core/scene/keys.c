@@ -71,6 +71,8 @@ static const struct scene_key mpm_keys[] = {
 	 .range = RANGE_NOT_NEGATIVE, .doc = "damping rate of the nodes' velocity"},
 	{.name = "confining_pressure", .type = KEY_FLOAT, AT(scene_mpm, confining_pressure), .unit = "Pa", .value = "0.0",
 	 .range = RANGE_NOT_NEGATIVE, .doc = "pressure that acts on every free surface and follows it"},
+	{.name = "contact_fields", .type = KEY_INT, AT(scene_mpm, contact_fields), .absent = "one for each node", .range = RANGE_WITHIN, .min = 1, .max = 100000000,
+	 .doc = "most extra fields of nodes at which bodies meet, beyond the first of each node; only with contacts"},
 	END};
 
 static const struct scene_key thermal_keys[] = {
@@ -323,6 +325,24 @@ static const struct scene_key boundary_keys[] = {
 	 .doc = "until this time"},
 	END};
 
+static const struct scene_key contact_keys[] = {
+	{.name = "bodies", .type = KEY_CUSTOM, .absent = "every pair of bodies that no other contact names", .read = read_contact_bodies,
+	 .expected = "the names of two bodies: (\"a\", \"b\")", .doc = "names of the two bodies"},
+	{.name = "friction", .type = KEY_FLOAT, AT(scene_contact, friction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 100.0,
+	 .doc = "coefficient of friction"},
+	{.name = "softening", .type = KEY_CUSTOM, AT(scene_contact, softening), .absent = "friction does not depend on temperature", .read = read_softening,
+	 .expected = "two temperatures [whole at, gone at] that rise",
+	 .doc = "[whole at, gone at]: friction falls as ((gone - T) / (gone - whole))^2 with the temperature of the hotter body"},
+	{.name = "heat_share", .type = KEY_FLOAT, AT(scene_contact, heat_share), .value = "1.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "share of the friction work that heats the bodies, half each; where there is heat"},
+	{.name = "conductance", .type = KEY_FLOAT, AT(scene_contact, conductance), .unit = "W/(m2 K)", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "of heat, at conductance_pressure"},
+	{.name = "conductance_pressure", .type = KEY_FLOAT, AT(scene_contact, conductance_pressure), .unit = "Pa", .value = "1e6", .range = RANGE_POSITIVE,
+	 .doc = "the contact pressure at which it holds"},
+	{.name = "conductance_exponent", .type = KEY_FLOAT, AT(scene_contact, conductance_exponent), .value = "1.0", .range = RANGE_WITHIN, .min = 0.0, .max = 10.0,
+	 .doc = "it grows as (pressure / conductance_pressure) to this power"},
+	END};
+
 static const struct scene_key stage_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_stage, name), .required = true, .doc = "of the stage"},
 	{.name = "duration", .type = KEY_FLOAT, AT(scene_stage, duration), .unit = "s", .absent = "until time.end (the last stage only)",
@@ -452,6 +472,8 @@ static const struct scene_key root_keys[] = {
 	{.name = "walls", LIST(scene, walls, n_walls), KEYS(wall_keys), .absent = "none", .doc = "rigid walls"},
 	{.name = "boundaries", LIST(scene, boundaries, n_boundaries), KEYS(boundary_keys), .absent = "none",
 	 .doc = "values imposed on nodes, heat fluxes"},
+	{.name = "contacts", LIST(scene, contacts, n_contacts), KEYS(contact_keys), .absent = "none: bodies are welded where they meet",
+	 .doc = "bodies that touch and part, rub and exchange heat"},
 	{.name = "stages", LIST(scene, stages, n_stages), KEYS(stage_keys), .absent = "one stage until time.end",
 	 .doc = "protocols: stages of one run, one after the other"},
 	{.name = "probes", LIST(scene, probes, n_probes), KEYS(probe_keys), .absent = "none", .doc = "points recorded in history.csv"},

@@ -60,6 +60,7 @@ struct scene_mpm {
 	double pic_fraction;       /* alpha_PIC, fraction per step, eqs. 25-27, of the steps that are FLIP; default 0 */
 	double damping_particle;   /* alpha_p, 1/s; default 0 */
 	double damping_grid;       /* alpha_g, 1/s; default 0 */
+	int contact_fields;        /* extra fields of nodes at which bodies meet; 0 = one for each node */
 	double confining_pressure; /* Pa; sigma + p_c I in the internal force (methods-mpm); default 0 */
 };
 
@@ -229,6 +230,20 @@ struct scene_boundary {
 	struct scene_place place;
 };
 
+/* ---- contacts between bodies (DP-MPM): without one they are welded where they meet ---- */
+
+struct scene_contact {
+	int n_bodies;                /* 2, or 0: all pairs of bodies that no other contact names */
+	int bodies[2];
+	double friction;             /* 0 */
+	double softening[2];         /* K: at which friction holds, and at which none is left; NAN = it does not fall */
+	double heat_share;           /* share of the friction work that heats the bodies, half each; 1 */
+	double conductance;          /* W/(m2 K) at conductance_pressure; 0 */
+	double conductance_pressure; /* Pa; 1e6 */
+	double conductance_exponent; /* 1 */
+	struct scene_place place;
+};
+
 /* ---- stages ---- */
 
 struct scene_stage {
@@ -334,6 +349,8 @@ struct scene {
 	struct scene_wall *walls;
 	struct scene_boundary *boundaries;
 	struct scene_stage *stages;
+	int n_contacts;
+	struct scene_contact *contacts;
 	int n_probes, n_regions, n_inspect, n_images;
 	struct scene_probe *probes;
 	struct scene_region *regions;
