@@ -23,9 +23,24 @@ class Gone(Exception):
     """The simulation has ended, or nothing was heard of it in time."""
 
 
+def listen_at(port):
+    """ParaView's link, which a simulation may connect to."""
+    return live.ConnectToCatalyst("localhost", port)
+
+
+def listen(seconds=0.0):
+    """Takes what simulations have sent."""
+    end = _time.monotonic() + seconds
+    while True:
+        live.ProcessServerNotifications()
+        if _time.monotonic() >= end:
+            return
+        _time.sleep(0.01)
+
+
 class Run:
-    def __init__(self, port=22222, timeout=None):
-        self.link = live.ConnectToCatalyst("localhost", port)
+    def __init__(self, port=22222, timeout=None, link=None):
+        self.link = link or listen_at(port)
         self._extracts, self._number, self._lines = {}, 0, []
         self._wait(lambda: self._insitu() is not None and self._insitu().GetProxy("sources", STEERING) is not None, timeout,
                    "no simulation has connected to port %d" % port)
@@ -82,15 +97,6 @@ class Run:
         self._wait(lambda: self.step != before, timeout, "no frame after step %s" % before)
         return self.step
 
-    def listen(self, seconds=0.0):
-        """Takes what the simulation has sent."""
-        end = _time.monotonic() + seconds
-        while True:
-            live.ProcessServerNotifications()
-            if _time.monotonic() >= end:
-                return
-            _time.sleep(0.01)
-
     # ---- steering ----
 
     def command(self, words):
@@ -100,7 +106,7 @@ class Run:
         self._text.SetElement(0, "\n".join([line for line in self._help.splitlines() if line.startswith("#")] + self._lines))
         self._insitu().GetProxy("sources", STEERING).UpdateVTKObjects()
         self.link.PushUpdatedStates()
-        self.listen()
+        listen()
 
     def inspect(self, name, rule=None, point=None, at=None):
         """Inspects under this name the RVE of a point, of that nearest to a place, or by a rule: hottest, most_sheared,

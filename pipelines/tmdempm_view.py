@@ -68,7 +68,7 @@ def look_at(view, bounds):
     """The whole of [xmin, xmax, ymin, ymax, ...], with room for the colour bar on the right and the heading above."""
     width, height = bounds[1] - bounds[0], bounds[3] - bounds[2]
     across, up = view.ViewSize[0], view.ViewSize[1]
-    scale = max(0.5 * height / 0.88, 0.5 * width / 0.80 * up / across)
+    scale = max(0.5 * height / 0.84, 0.5 * width / 0.80 * up / across)
     x, y = 0.5 * (bounds[0] + bounds[1]) + 0.1 * 2 * scale * across / up, 0.5 * (bounds[2] + bounds[3]) + 0.04 * 2 * scale
     view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [x, y, 10.0], [x, y, 0.0], [0.0, 1.0, 0.0]
     view.CameraParallelScale = scale

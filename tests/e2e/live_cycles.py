@@ -8,7 +8,7 @@ import time
 
 port, cycles = int(sys.argv[1]), int(sys.argv[2])
 sys.path.insert(0, sys.argv[3])
-from tmdempm_live import Run
+from tmdempm_live import Run, listen
 
 ENDS = ("leaves", "exits", "killed", "killed in a pause", "killed early")
 
@@ -25,7 +25,7 @@ def client(how):
         os._exit(3)
     if how == "killed in a pause":
         run.pause()
-        run.listen(0.5)
+        listen(0.5)
     if how.startswith("killed"):
         os.kill(os.getpid(), signal.SIGKILL)
     if how == "leaves":
