@@ -12,6 +12,7 @@
 #include "run/live.h"
 #include "run/look_cli.h"
 #include "run/run.h"
+#include "run/steer_cli.h"
 #include "rve/cli.h"
 #include "study/study.h"
 #include "version.h"
@@ -23,11 +24,15 @@ static const char help[] =
 	"\n"
 	"  tmdempm run SCENE.cfg [--out DIR] [--force] [--set path=value]... [--threads N] [--device cpu]\n"
 	"                        [--restart FILE [--allow-path-change]] [--until T] [--quiet]\n"
-	"                        [--live [PORT|HOST:PORT]] [--pipeline FILE.py]...\n"
+	"                        [--live [PORT|HOST:PORT]] [--pipeline FILE.py]... [--steering FILE.csv] [--paused]\n"
 	"      runs a scene; its output goes to DIR (default: SCENE.out here); a DIR that is not empty is refused,\n"
 	"      --force moves it aside; --restart continues a checkpoint in its own folder, bit for bit;\n"
 	"      --live shows the run to a ParaView that listens (default 127.0.0.1:22222), which may come and go;\n"
-	"      --pipeline runs a script of ParaView Catalyst, whose files go to DIR/catalyst\n"
+	"      --pipeline runs a script of ParaView Catalyst, whose files go to DIR/catalyst;\n"
+	"      --steering repeats what steered another run (its steering.csv); --paused waits for `steer` before the first step\n"
+	"  tmdempm steer DIR [COMMAND... | -]\n"
+	"      steers the run that works in DIR: pause, step, save, stop, inspect, pictures; alone it says how the run stands\n"
+	"      (tmdempm steer --help)\n"
 	"  tmdempm check SCENE.cfg [--set path=value]... [--threads N]\n"
 	"      validates a scene and says what its run will be; writes nothing\n"
 	"  tmdempm info [--json]\n"
@@ -155,6 +160,8 @@ static int command_run(int argc, char **argv)
 												 {"quiet", no_argument, NULL, 'q'},
 												 {"help", no_argument, NULL, 'h'},
 												 {"allow-path-change", no_argument, NULL, 'p'},
+												 {"steering", required_argument, NULL, 'g'},
+												 {"paused", no_argument, NULL, 'w'},
 												 {"live", optional_argument, NULL, 'l'},
 												 {"pipeline", required_argument, NULL, 'y'},
 												 {NULL, 0, NULL, 0}};
@@ -194,6 +201,12 @@ static int command_run(int argc, char **argv)
 			break;
 		case 'y':
 			CHECK(parse_pipeline(pipelines, &options.n_pipelines, optarg));
+			break;
+		case 'g':
+			options.steering = optarg;
+			break;
+		case 'w':
+			options.paused = true;
 			break;
 		case 'h':
 			fputs(help, stdout);
@@ -324,7 +337,8 @@ int main(int argc, char **argv)
 		const char *name;
 		int (*command)(int argc, char **argv);
 	} commands[] = {{"run", command_run},     {"check", command_check}, {"info", command_info},
-					{"bench", command_bench}, {"study", command_study}, {"exact", cli_exact}};
+					{"bench", command_bench}, {"study", command_study}, {"exact", cli_exact},
+					{"steer", cli_steer}};
 	h5_start();
 	const char *name = argc > 1 ? argv[1] : "";
 	if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help"))
@@ -335,8 +349,8 @@ int main(int argc, char **argv)
 		return cli_look(argc - 2, argv + 2);
 	if (!strcmp(name, "rve"))
 		return cli_rve(argc - 1, argv + 1);
-	int status = *name ? usage("`%s` is no command: expected run, check, info, rve, exact, study or bench", name)
-					   : usage("%s", "which command? expected run, check, info, rve, exact, study or bench");
+	int status = *name ? usage("`%s` is no command: expected run, steer, check, info, rve, exact, study or bench", name)
+					   : usage("%s", "which command? expected run, steer, check, info, rve, exact, study or bench");
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
 		if (!strcmp(name, commands[i].name))
 			status = commands[i].command(argc - 1, argv + 1);

@@ -244,7 +244,7 @@ std::vector<std::string> state_texts(const rve_scene &rve, const char *temperatu
 	double most = std::max({std::fabs(w.stress[0]), std::fabs(w.stress[1]), std::fabs(w.stress[3])});
 	double factor = ticks_unit("Pa", most, unit);
 	if (w.point >= 0)
-		pieces.push_back("point " + std::to_string(w.point));
+		pieces.push_back("point " + std::to_string(w.point) + (*w.rule ? " (" + std::string(w.rule) + ")" : ""));
 	pieces.push_back("\u03c3 " + components(w.stress[0] * factor, w.stress[1] * factor, w.stress[3] * factor) + " " +
 					 unit);
 	pieces.push_back("\u03b5 " + components(100 * w.strain[0], 100 * w.strain[1], 100 * w.strain[3]) + " %");

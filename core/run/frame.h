@@ -54,6 +54,7 @@ struct frame_rve {
 	int32_t bonds_installed, bonds_intact;
 	int32_t flags;      /* enum frame_rve_flag */
 	int32_t pad;
+	char rule[32];      /* that chose the point ("hottest"); "" = it is a fixed one */
 };
 
 struct frame_channel {

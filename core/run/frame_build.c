@@ -168,14 +168,17 @@ static void frame_walls(struct frame_work *work)
 
 /* ---- RVEs ---- */
 
-static void frame_inspected(struct frame_work *work, const struct scene_inspect *inspect)
+static void frame_inspected(struct frame_work *work, const struct inspected *inspected, const struct inspected_rve *rve)
 {
 	const struct mpm *mpm = work->mpm;
-	int point = inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
+	struct frame_rve_view view = {.name = rve->name,
+								  .rule = rve->rule ? rve->rule->name : "",
+								  .celsius = mpm->scene->units.celsius,
+								  .thermal = mpm->thermal};
+	int point;
+	work->failed |= inspected_point(inspected, rve, &point) != STATUS_OK;
 	const struct law *law = point >= 0 ? mpm->laws[mpm->p.law[point]] : NULL;
-	struct frame_rve_view view = {.name = inspect->name, .celsius = mpm->scene->units.celsius, .thermal = mpm->thermal};
-	if (!law || !law->type->rve_view ||
-		law->type->rve_view(law, mpm->p.slot[point], &view.model, &view.state) != STATUS_OK)
+	if (!law || law->type->rve_view(law, mpm->p.slot[point], &view.model, &view.state) != STATUS_OK)
 		return;
 	view.time = mpm->time;
 	view.point = mpm->p.id[point];
@@ -185,8 +188,8 @@ static void frame_inspected(struct frame_work *work, const struct scene_inspect 
 	work->failed |= frame_rve_add(work->builder, &view) != STATUS_OK;
 }
 
-int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run_fields *fields, const void **frame,
-				int64_t *bytes)
+int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run_fields *fields,
+				const struct inspected *inspected, const void **frame, int64_t *bytes)
 {
 	const struct scene *scene = mpm->scene;
 	struct frame_work work = {builder, mpm, fields, false};
@@ -195,8 +198,8 @@ int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run
 	frame_domains(&work);
 	frame_grid(&work);
 	frame_walls(&work);
-	for (int i = 0; i < scene->n_inspect; i++)
-		frame_inspected(&work, &scene->inspect[i]);
+	for (int i = 0; i < inspected->n; i++)
+		frame_inspected(&work, inspected, &inspected->rves[i]);
 	*frame = work.failed ? NULL : frame_finish(builder, bytes);
 	return *frame ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for a frame");
 }

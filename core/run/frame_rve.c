@@ -136,8 +136,12 @@ static void drawn_note(struct frame_drawn *d, const struct rve_info *info)
 {
 	const struct frame_rve_view *view = d->view;
 	size_t size = sizeof d->note;
-	int n = snprintf(d->note, size, "p = %.3g kPa, e = %.3f, Z = %.2f", info->pressure * 1e-3, info->void_ratio,
-					 info->coordination);
+	int n = 0;
+	if (view->point >= 0)
+		n += snprintf(d->note, size, "point %lld%s%s%s, ", view->point, *d->rve.rule ? " (" : "", d->rve.rule,
+					  *d->rve.rule ? ")" : "");
+	n += snprintf(d->note + n, size - (size_t)n, "p = %.3g kPa, e = %.3f, Z = %.2f", info->pressure * 1e-3,
+				  info->void_ratio, info->coordination);
 	if (view->thermal)
 		n += snprintf(d->note + n, size - (size_t)n, ", T = %.5g %s", view->temperature,
 					  view->celsius ? "\302\260C" : "K");
@@ -165,6 +169,7 @@ static void drawn_whole(struct frame_drawn *d, const struct rve_info *info)
 		.bonds_intact = info->bonds_intact,
 		.flags = (info->flags & RVE_GAS ? FRAME_RVE_FLYING : 0) | (info->flags & RVE_FROZEN ? FRAME_RVE_FROZEN : 0),
 	};
+	snprintf(d->rve.rule, sizeof d->rve.rule, "%s", view->rule ? view->rule : "");
 	memcpy(d->rve.stress, view->stress, sizeof d->rve.stress);
 	memcpy(d->H, info->H, sizeof d->H);
 	drawn_fabric(d);

@@ -9,6 +9,7 @@
 
 struct frame_rve_view {
 	const char *name;
+	const char *rule; /* that chose the point; NULL or "" = it is a fixed one */
 	const struct rve_model *model;
 	const void *state;
 	double time;        /* s */

@@ -9,6 +9,8 @@ struct images {
 	struct sink sink;
 	char folder[FILE_PATH];
 	long long *every; /* steps, of each image of the scene */
+	double *seconds;  /* s, the same as it was asked for */
+	bool *missing;    /* its RVE is not inspected, which has been said */
 	int n, capacity;
 	char **files;
 };
@@ -49,20 +51,47 @@ static int images_start(struct images *images)
 	return status;
 }
 
+static void image_set_every(struct images *images, int i, double seconds)
+{
+	images->seconds[i] = seconds;
+	images->every[i] = schedule_steps(images->mpm->scene, seconds);
+}
+
+int images_set_every(struct images *images, const char *name, double seconds)
+{
+	const struct scene *scene = images->mpm->scene;
+	char known[512] = "none";
+	for (int i = 0; i < scene->n_images; i++) {
+		size_t used = i ? strlen(known) : 0;
+		snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", scene->images[i].name);
+		if (!strcmp(scene->images[i].name, name))
+			return image_set_every(images, i, seconds), STATUS_OK;
+	}
+	return error_set(STATUS_INPUT, "there is no picture \"%s\", expected one of the scene's: %s", name, known);
+}
+
+double images_every(const struct images *images, int i) { return images->seconds[i]; }
+
 int images_create(struct images **result, const struct mpm *mpm, const char *folder, struct run_log *log)
 {
 	*result = NULL;
 	const struct scene *scene = mpm->scene;
 	struct images *images = calloc(1, sizeof *images);
-	if (!images || !(images->every = calloc((size_t)scene->n_images + 1, sizeof *images->every))) {
-		free(images);
+	if (!images)
+		return error_set(STATUS_RESOURCE, "out of memory");
+	size_t n = (size_t)scene->n_images + 1;
+	images->every = calloc(n, sizeof *images->every);
+	images->seconds = calloc(n, sizeof *images->seconds);
+	images->missing = calloc(n, sizeof *images->missing);
+	if (!images->every || !images->seconds || !images->missing) {
+		images_free(images);
 		return error_set(STATUS_RESOURCE, "out of memory");
 	}
 	images->mpm = mpm;
 	images->sink = (struct sink){.products = "pictures", .log = log};
 	snprintf(images->folder, sizeof images->folder, "%s", folder);
 	for (int i = 0; i < scene->n_images; i++)
-		images->every[i] = schedule_steps(scene, scene->images[i].every);
+		image_set_every(images, i, scene->images[i].every);
 	if (scene->n_images > 0 && images_start(images) != STATUS_OK)
 		sink_absent(&images->sink);
 	*result = images;
@@ -95,6 +124,21 @@ static int images_remember(struct images *images, const char *file)
 	return images->files[images->n] ? (images->n++, STATUS_OK) : error_set(STATUS_RESOURCE, "out of memory");
 }
 
+/* Steering may have taken away the RVE of a picture. */
+static bool image_has_subject(struct images *images, const void *frame, int i)
+{
+	const struct scene_image *image = &images->mpm->scene->images[i];
+	char channel[FRAME_NAME];
+	if (image->kind != SCENE_IMAGE_RVE)
+		return true;
+	snprintf(channel, sizeof channel, "rve_%.48s_discs", image->rve);
+	bool there = frame_find_channel(frame, channel) >= 0;
+	if (!there && !images->missing[i])
+		log_warning(images->sink.log, "picture %s is not drawn: the RVE %s is not inspected (now)", image->name, image->rve);
+	images->missing[i] = !there;
+	return there;
+}
+
 static int image_draw(struct images *images, const void *frame, int64_t bytes, int i, long long step)
 {
 	char name[SCENE_NAME + 48], path[FILE_PATH];
@@ -107,7 +151,8 @@ static int image_draw(struct images *images, const void *frame, int64_t bytes, i
 void images_draw(struct images *images, const void *frame, int64_t bytes, long long step, bool last)
 {
 	for (int i = 0; images->sink.viewer && i < images->mpm->scene->n_images; i++)
-		if (image_due(images, i, step, last) && image_draw(images, frame, bytes, i, step) != STATUS_OK)
+		if (image_due(images, i, step, last) && image_has_subject(images, frame, i) &&
+			image_draw(images, frame, bytes, i, step) != STATUS_OK)
 			sink_lost(&images->sink);
 	sink_notices(&images->sink);
 }
@@ -126,6 +171,6 @@ void images_free(struct images *images)
 	for (int i = 0; i < images->n; i++)
 		free(images->files[i]);
 	free(images->files);
-	free(images->every);
+	free(images->every), free(images->seconds), free(images->missing);
 	free(images);
 }

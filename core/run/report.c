@@ -1,5 +1,7 @@
+#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -35,6 +37,7 @@ static void report_options(struct json *json, const struct run *run)
 	json_integer(json, "threads", run->threads);
 	json_text(json, "restart", options->restart); /* null if it was none */
 	json_number(json, "until", options->until);
+	json_text(json, "steering", options->steering);
 	json_close(json, '}');
 }
 
@@ -48,6 +51,7 @@ static void report_times(struct json *json, const struct run *run)
 	json_number(json, "viewer_wait", watch_waited(run));
 	json_number(json, "total", report_loop_time(run));
 	json_number(json, "cpu", run->loop_cpu);
+	json_number(json, "paused", steering_pause_time(run->steering)); /* not in the total */
 	json_close(json, '}');
 }
 
@@ -112,23 +116,54 @@ static void report_counts(struct json *json, const struct run *run)
 	json_close(json, '}');
 }
 
-/* Number i of the files of a run, relative to its folder; "" if it was not written.  False after the last. */
-static bool report_file(const struct run *run, int i, char name[REPORT_NAME])
+/* The files of a run, relative to its folder. */
+struct report_files {
+	int n, capacity;
+	char (*names)[REPORT_NAME];
+};
+
+static void report_add_file(struct report_files *files, const struct run *run, const char *below, const char *name)
 {
-	static const char *const always[] = {"history.csv", "run.json", "log.txt", "checkpoint.h5", "guard.h5", "run.h5"};
-	const int n_always = sizeof always / sizeof *always;
+	char path[FILE_PATH], there[REPORT_NAME];
+	if (snprintf(there, sizeof there, "%s%s", below, name) >= REPORT_NAME ||
+		file_join(path, run->folder, there) != STATUS_OK || !file_exists(path))
+		return;
+	if (files->n == files->capacity) {
+		int capacity = 2 * files->capacity + 32;
+		char(*larger)[REPORT_NAME] = realloc(files->names, (size_t)capacity * sizeof *larger);
+		if (!larger)
+			return;
+		files->names = larger, files->capacity = capacity;
+	}
+	memcpy(files->names[files->n++], there, REPORT_NAME);
+}
+
+/* Start states and paths of inspected RVEs, by name. */
+static void report_add_rves(struct report_files *files, const struct run *run)
+{
 	char path[FILE_PATH];
-	if (i < n_always)
-		snprintf(name, REPORT_NAME, "%s", always[i]);
-	else if (i - n_always < run->scene->n_inspect)
-		snprintf(name, REPORT_NAME, "rve/%s_path.csv", run->scene->inspect[i - n_always].name);
-	else if (snapshots_series(run->snapshots, i - n_always - run->scene->n_inspect))
-		snprintf(name, REPORT_NAME, "%s", snapshots_series(run->snapshots, i - n_always - run->scene->n_inspect));
-	else
-		return false;
-	if (file_join(path, run->folder, name) != STATUS_OK || !file_exists(path))
-		name[0] = '\0';
-	return true;
+	struct dirent **entries;
+	int n = file_join(path, run->folder, "rve") == STATUS_OK ? scandir(path, &entries, NULL, alphasort) : -1;
+	for (int k = 0; k < n; k++) {
+		if (entries[k]->d_name[0] != '.')
+			report_add_file(files, run, "rve/", entries[k]->d_name);
+		free(entries[k]);
+	}
+	if (n >= 0)
+		free(entries);
+}
+
+static struct report_files report_list(const struct run *run)
+{
+	static const char *const always[] = {"history.csv",   "run.json", "log.txt", "steering.csv",
+										 "checkpoint.h5", "guard.h5", "run.h5"};
+	struct report_files files = {0};
+	for (size_t k = 0; k < sizeof always / sizeof *always; k++)
+		report_add_file(&files, run, "", always[k]);
+	report_add_rves(&files, run);
+	for (int i = 0; snapshots_series(run->snapshots, i); i++)
+		report_add_file(&files, run, "", snapshots_series(run->snapshots, i));
+	return files;
 }
 
 static void report_outcome(struct json *json, const struct run *run, const char *state)
@@ -142,11 +177,12 @@ static void report_outcome(struct json *json, const struct run *run, const char 
 	if (strcmp(state, "done") && strcmp(state, "running"))
 		json_text(json, "reason", error_message());
 	json_open(json, "files", '[');
-	char name[REPORT_NAME];
-	for (int i = 0; report_file(run, i, name); i++)
-		if (name[0])
-			json_text(json, NULL, name);
+	struct report_files files = report_list(run);
+	for (int i = 0; i < files.n; i++)
+		json_text(json, NULL, files.names[i]);
+	free(files.names);
 	json_close(json, ']');
+	json_integer(json, "steered", steering_count(run->steering));
 	json_integer(json, "snapshots", snapshots_count(run->snapshots));
 	json_open(json, "images", '[');
 	for (int i = 0; i < images_count(run->images); i++)
@@ -281,12 +317,13 @@ void report_print(struct run *run)
 	if (run->log.quiet)
 		return;
 	printf("%s/\n", run->folder);
-	char name[REPORT_NAME];
-	for (int i = 0; report_file(run, i, name); i++)
-		if (!strcmp(name, "run.h5"))
+	struct report_files files = report_list(run);
+	for (int i = 0; i < files.n; i++)
+		if (!strcmp(files.names[i], "run.h5"))
 			printf("  run.h5 (%d snapshots)\n", snapshots_count(run->snapshots));
-		else if (name[0])
-			printf("  %s\n", name);
+		else
+			printf("  %s\n", files.names[i]);
+	free(files.names);
 	for (int i = 0; i < images_count(run->images); i++)
 		printf("  %s\n", images_file(run->images, i));
 	fflush(stdout);

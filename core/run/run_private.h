@@ -6,23 +6,30 @@
 #include "mpm/mpm.h"
 #include "run/fields.h"
 #include "run/history.h"
+#include "run/inspected.h"
 #include "run/live.h"
 #include "run/log.h"
 #include "run/run.h"
 #include "run/sink.h"
+#include "run/steering_socket.h"
 #include "run/viewer.h"
 
 /* Times of a scene are met at whole steps: every so many, 0 = never. */
 long long schedule_steps(const struct scene *scene, double seconds);
 bool schedule_due(long long every, long long step);
 
-/* ---- paths.c: rve/NAME_path.csv of the inspected points ---- */
+/* ---- paths.c: rve/NAME_path.csv of the inspected points (not of those that a rule chooses) ---- */
 
 struct paths;
 
 /* Opens the files; on a restart (first_step > 0, same folder) they are cut there.  Points whose path is not
- * whole from the first step on are not recorded: a warning says so. */
-int paths_create(struct paths **paths, const struct mpm *mpm, const char *folder, bool restart, struct run_log *log);
+ * whole are not recorded: a warning says so. */
+int paths_create(struct paths **paths, const struct inspected *inspected, const char *folder, bool restart,
+				 struct run_log *log);
+/* Steering begins to inspect a fixed point: its RVE as it is now goes to rve/NAME_STEP.h5, from which `rve load` drives
+ * it along rve/NAME_STEP_path.csv; what was recorded under this name ends.  And ends it without another. */
+int paths_start(struct paths *paths, const struct inspected_rve *rve);
+int paths_stop(struct paths *paths, const char *name);
 int paths_record(struct paths *paths); /* after each step: what the laws got */
 int paths_sync(struct paths *paths);
 int paths_close(struct paths *paths);
@@ -52,8 +59,7 @@ int checkpoint_check_scene(const char *path, const struct scene *scene);
 
 struct snapshots;
 
-int snapshots_create(struct snapshots **snapshots, const struct mpm *mpm, struct run_fields *fields, const char *folder,
-					 bool restart);
+int snapshots_create(struct snapshots **snapshots, const struct inspected *inspected, const char *folder, bool restart);
 void snapshots_free(struct snapshots *snapshots);
 
 /* Writes the state as it is; `frame` feeds the VTK files (NULL = none). */
@@ -72,6 +78,9 @@ int images_check(const struct scene *scene, void *errors);
 /* Starts the viewer if the scene asks for pictures; without one the run goes on and a warning says what to install. */
 int images_create(struct images **images, const struct mpm *mpm, const char *folder, struct run_log *log);
 bool images_due(const struct images *images, long long step, bool last);
+/* Another interval from now on, s, 0 = never.  STATUS_INPUT if the scene has no picture of this name. */
+int images_set_every(struct images *images, const char *name, double seconds);
+double images_every(const struct images *images, int i);
 /* Asks for the pictures that are due. */
 void images_draw(struct images *images, const void *frame, int64_t bytes, long long step, bool last);
 struct sink *images_sink(struct images *images);
@@ -118,6 +127,7 @@ void watch_free(struct run *run);
 void signals_install(void);
 int signals_stop(void);             /* the signal that asks to stop, or 0 */
 bool signals_take_checkpoint(void); /* SIGUSR1 came; asked once */
+int signals_descriptor(void);       /* poll() finds it readable when a signal has come that nobody has taken; -1 = none */
 
 /* ---- the run itself ---- */
 
@@ -129,6 +139,10 @@ struct run {
 	struct run_fields *fields;
 	struct history *history;
 	struct history_memory memory;
+	struct inspected *inspected;
+	struct steering_script script;
+	struct steering *steering;
+	struct steering_socket *socket;
 	struct paths *paths;
 	struct snapshots *snapshots;
 	struct images *images;
@@ -148,6 +162,19 @@ struct run {
 	double output_time;   /* s, without the wait for the viewer */
 	double next_progress; /* s, clock_seconds() */
 };
+
+/* What is due now, or all that the scene wants at the run's end. */
+int run_output(struct run *run, bool last);
+int run_checkpoint(struct run *run);
+
+/* ---- steered.c: what steering does to a run ---- */
+
+/* After the pictures and before the paths: both may have been steered before a restart, which `continues` the run in its
+ * own folder or goes on in a new one. */
+int steered_open(struct run *run, bool continues);
+
+/* Between two steps; pauses do not count as the run's time. */
+int steered_between(struct run *run);
 
 /* ---- progress.c and report.c ---- */
 

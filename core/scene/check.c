@@ -840,6 +840,22 @@ static const struct scene_law *law_of_point(const struct loader *loader, long id
 	return loader_clean(loader, "%s", path) ? &scene->laws[law] : NULL;
 }
 
+/* A rule needs something to choose from: bodies with RVEs, for broken bonds such with bonds. */
+static void check_rule(struct loader *loader, const struct scene_inspect *inspect, const char *path)
+{
+	const struct scene *scene = loader->scene;
+	bool bonds = !strcmp(inspect->rule, "most_broken"), found = false;
+	if (!loader_clean(loader, "laws") || !loader_clean(loader, "materials") || !loader_clean(loader, "bodies"))
+		return;
+	for (int m = 0; m < scene->n_materials; m++) {
+		const struct scene_law *law = scene->materials[m].law >= 0 ? &scene->laws[scene->materials[m].law] : NULL;
+		found |= law && law->type == SCENE_LAW_RVE && (!bonds || law->rve.bonds.strength > 0.0);
+	}
+	if (!found)
+		problem_of(loader, path, "has nothing to choose from, expected a law of type \"rve\"%s",
+				   bonds ? " with bonds" : "");
+}
+
 static void check_inspect(struct loader *loader)
 {
 	const struct scene *scene = loader->scene;
@@ -848,10 +864,15 @@ static void check_inspect(struct loader *loader)
 		const struct scene_inspect *inspect = &scene->inspect[k];
 		if (!clean_element(loader, "inspect", k))
 			continue;
-		bool at = !isnan(inspect->at[0]);
-		path_to(path, "inspect", k, at ? "at" : inspect->id >= 0 ? "id" : "");
-		if (at == (inspect->id >= 0)) {
-			problem_of(loader, path, "has %s, expected one of at = [x, y], id = n", at ? "two places" : "no place");
+		bool at = !isnan(inspect->at[0]), id = inspect->id >= 0, rule = inspect->rule[0];
+		path_to(path, "inspect", k, at ? "at" : id ? "id" : rule ? "rule" : "");
+		if (at + id + rule != 1) {
+			problem_of(loader, path, "has %s, expected one of at = [x, y], id = n, rule = \"hottest\"",
+					   at + id + rule ? "two places" : "no place");
+			continue;
+		}
+		if (rule) {
+			check_rule(loader, inspect, path);
 			continue;
 		}
 		if (all_points(loader) < 0)

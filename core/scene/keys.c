@@ -381,6 +381,9 @@ static const struct scene_key inspect_keys[] = {
 	 .doc = "the RVE of the point nearest to [x, y] at the start"},
 	{.name = "id", .type = KEY_LONG, AT(scene_inspect, id), .absent = "only with another place", .range = RANGE_NOT_NEGATIVE,
 	 .doc = "or of the point with this number"},
+	{.name = "rule", .type = KEY_CHOICE, AT(scene_inspect, rule), .absent = "only with another place",
+	 CHOICES("hottest", "most_sheared", "highest_pressure", "most_broken"),
+	 .doc = "or whichever it is each time something is drawn or written (of equals the lowest number); no path is recorded"},
 	END};
 
 static const struct scene_key output_keys[] = {

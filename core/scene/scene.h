@@ -279,6 +279,7 @@ struct scene_inspect {
 	char name[SCENE_NAME];
 	long id; /* -1 = nearest to `at` in the initial body */
 	double at[2];
+	char rule[SCENE_NAME]; /* "" = a fixed point; else a name of rve_rules (run/rules.h), which chooses it anew */
 	struct scene_place place;
 };
 
