@@ -113,3 +113,5 @@ if os.path.basename(sys.argv[0]) == "live.py":  # pvpython: ParaView's window ha
         tmdempm_live.listen(0.05)
         while watcher.frames and wish.command:
             watcher.run.command(wish.command.pop(0))
+    sys.stdout.flush()
+    os._exit(0)  # ParaView's own end waits for a simulation that does not end
