@@ -1,5 +1,5 @@
-# timeout: 240
+# timeout: 400
 """Ten clients in a row."""
 from live_cycles_run import cycles
 
-cycles(10, 120)
+cycles(10, 300)
