@@ -15,6 +15,7 @@
 #ifndef TMDEMPM_CONTACT_CONTACT_H
 #define TMDEMPM_CONTACT_CONTACT_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 struct mpm;
@@ -39,6 +40,10 @@ int contact_find_fields(struct mpm *mpm);
 
 /* The grid's node of a node or slot. */
 int contact_home(const struct mpm *mpm, int node);
+
+/* Gives a velocity to the fields of a node that belong to a body or are welded to it.  False if the node has one field
+ * only. */
+bool contact_drive(struct mpm *mpm, int node, int body, const double v[2]);
 
 /* Sends the lists of n points, just filled, to the slots of their fields. */
 void contact_redirect(const struct mpm *mpm, int n, const int *point, struct shape_lists *lists);

@@ -22,6 +22,7 @@
 #include "mpm/point.h"
 
 static const double GAP_TOLERANCE = 0.1; /* of h: nearer than this is touching */
+static const double SEPARABLE_MOST = 0.9999, SEPARABLE_MEAN = 0.25; /* damage */
 static const double BEYOND = 0.5;        /* of h */
 static const double FLAT = 1e-9;         /* of h: normals that part the points by as much as another are as good */
 enum {
@@ -48,10 +49,14 @@ static void gather_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 			int node = lists.node[a];
 			if (c->first[node] < 0 || lists.weight[a] == 0.0)
 				continue;
-			struct contact_field *field = contact_field_of(c, node, c->label[p->body[q]]);
+			struct contact_field *field = contact_field_of(mpm, c, node, q);
 			field->gradient[0] += lists.grad_x[a] * m;
 			field->gradient[1] += lists.grad_y[a] * m;
 			field->volume += lists.weight[a] * volume;
+			if (field->sided) {
+				field->damage += lists.weight[a] * m * p->damage[q];
+				field->most = fmax(field->most, p->damage[q]);
+			}
 		}
 	}
 }
@@ -64,6 +69,18 @@ void contact_gather(struct mpm *mpm)
 
 /* ---- units ---- */
 
+/* Do two fields of a node move together?  Those of two bodies without a contact do, and the sides of a crack that is not
+ * yet through: the largest damage says whether it has come here, the means whether both sides are of it (eqs. 70, 71). */
+static bool bonded(const struct mpm *mpm, const struct contact *c, const struct contact_field *a,
+				   const struct contact_field *b)
+{
+	if (a->label != b->label)
+		return c->pair[a->label * c->n_labels + b->label] < 0;
+	const struct node_sum *sums = mpm_work(mpm)->sums;
+	return fmax(a->most, b->most) < SEPARABLE_MOST || a->damage <= SEPARABLE_MEAN * sums[a->node].mass ||
+		   b->damage <= SEPARABLE_MEAN * sums[b->node].mass;
+}
+
 /* Fields that are bonded to each other form one unit, for which the first of them stands. */
 static void bond_fields(const struct mpm *mpm, struct contact *c, const struct contact_place *place)
 {
@@ -72,7 +89,7 @@ static void bond_fields(const struct mpm *mpm, struct contact *c, const struct c
 		field->unit = mpm_work(mpm)->sums[field->node].mass > 0.0 ? k : -1;
 		for (int other = place->first; other < k && field->unit >= 0; other++) {
 			const struct contact_field *before = &c->fields[other];
-			if (before->unit < 0 || c->pair[before->label * c->n_labels + field->label] >= 0)
+			if (before->unit < 0 || !bonded(mpm, c, before, field))
 				continue;
 			for (int m = place->first, merged = field->unit; m <= k; m++)
 				if (c->fields[m].unit == merged)
@@ -214,7 +231,7 @@ static void reach_of_points(const struct mpm *mpm, const struct contact *c, cons
 			double support = mpm->shape->support(w->half[mpm->p.body[q]], mpm->p.F[q]) + BEYOND;
 			if (fabs(x[0]) >= support * grid->spacing[0] || fabs(x[1]) >= support * grid->spacing[1])
 				continue;
-			int field = contact_field_of(c, place->node, c->label[mpm->p.body[q]])->unit;
+			int field = contact_field_of(mpm, c, place->node, q)->unit;
 			while (unit < n_units && units[unit].field != field)
 				unit++;
 			if (unit < n_units)
@@ -274,7 +291,10 @@ static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_p
 		pair->capacity = fmin(a->capacity / a->volume, b->capacity / b->volume);
 		pair->face = 0.5 * (parting->top[best] + parting->bottom[best]);
 		memcpy(pair->normal, parting->normal[best], sizeof pair->normal);
-		pair->contact = c->pair[c->fields[a->field].label * c->n_labels + c->fields[b->field].label];
+		int la = c->fields[a->field].label, lb = c->fields[b->field].label;
+		pair->contact = la == lb ? c->own[la] : c->pair[la * c->n_labels + lb];
+		if (pair->contact < 0)
+			continue;
 		acting[place->n_pairs++] =
 			(struct acting){pair, a, b, friction_of(&mpm->scene->contacts[pair->contact], a, b)};
 	}
@@ -413,7 +433,7 @@ static void press_block(struct mpm *mpm, int block)
 			for (int a = 0; a < lists.nodes; a++)
 				if (c->first[lists.node[a]] >= 0)
 					pressure += lists.weight[a] *
-								contact_field_of(c, lists.node[a], c->label[mpm->p.body[q]])->pressure;
+								contact_field_of(mpm, c, lists.node[a], q)->pressure;
 		}
 		mpm->p.contact_pressure[q] = pressure;
 	}

@@ -46,7 +46,7 @@ static void lift_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 				continue;
 			double x = grid->origin[0] + node % grid->nx * grid->spacing[0] - p->x[q][0],
 				   y = grid->origin[1] + node / grid->nx * grid->spacing[1] - p->x[q][1];
-			struct contact_field *field = contact_field_of(c, node, c->label[p->body[q]]);
+			struct contact_field *field = contact_field_of(mpm, c, node, q);
 			field->lift += capacity * lists.weight[a] * (gx * x + gy * y);
 			field->slope[0] += capacity * lists.weight[a] * gx;
 			field->slope[1] += capacity * lists.weight[a] * gy;

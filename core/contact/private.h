@@ -9,6 +9,10 @@
 struct contact_field {
 	int node;           /* index in the arrays by node: the grid's own, or a slot */
 	int label;          /* of the body */
+	int side;           /* of a crack in it: 0 or 1 */
+	bool sided;         /* there are both */
+	double direction[2]; /* 1/m: points whose damage gradient goes against it are on side 1 */
+	double damage, most; /* kg, sum m d S; the most damaged point: 0 whole .. 1 broken */
 	int unit;           /* field (index) that stands for the fields bonded to this one; -1 = no mass here */
 	double gradient[2]; /* kg/m, sum m grad S: points out of the body */
 	double volume;      /* m3, sum V S */
@@ -51,6 +55,8 @@ struct contact {
 	int n_labels;
 	int *label; /* by body */
 	int *pair;  /* label * n_labels + label -> index into the scene's contacts, -1 = bonded */
+	int *own;   /* label -> the contact between the faces of its own cracks, -1 = they are welded */
+	bool cracks; /* some label has one, and the law breaks */
 
 	int n_slots, slots_most;
 	int n_places, n_fields, n_pairs;
@@ -61,7 +67,9 @@ struct contact {
 	int *home;       /* by slot: the grid's node that it belongs to */
 	int *cell_label; /* by grid cell: label of its points, or one of the below */
 	bool *near;      /* by grid cell: a point in it may belong to a field of such a node */
-	bool *mixed;     /* by grid node: several labels in reach */
+	bool *mixed;     /* by grid node: several labels in reach, or both sides of a crack */
+	bool *hot;       /* by grid cell: near damage, at the last look */
+	bool *sloped;    /* by grid cell: a point in it has a damage gradient */
 
 };
 
@@ -70,13 +78,25 @@ enum { CELL_EMPTY = -1, CELL_MIXED = -2 };
 /* The grid cells whose points reach node (i, j): columns and rows low .. high. */
 void contact_cells_about(const struct mpm *mpm, int i, int j, int low[2], int high[2]);
 
-/* The field of a place to which a point belongs; NULL only for a point that does not touch the node. */
-static inline struct contact_field *contact_field_of(const struct contact *c, int node, int label)
+/* Gradients of the points' damage, 1/m, every few steps. */
+void contact_find_gradients(struct mpm *mpm);
+
+/* Does a node have points of a body on both sides of a crack?  Then `direction` tells them apart. */
+bool contact_sides(const struct mpm *mpm, const struct contact *c, int i, int j, int label, double direction[2]);
+
+static inline int contact_side(const double direction[2], const double gradient[2])
+{
+	return direction[0] * gradient[0] + direction[1] * gradient[1] < 0.0;
+}
+
+/* The field of a place to which point q, near its node, belongs. */
+static inline struct contact_field *contact_field_of(const struct mpm *mpm, const struct contact *c, int node, int q)
 {
 	struct contact_field *field = &c->fields[c->first[node]];
+	int label = c->label[mpm->p.body[q]];
 	while (field->label != label)
 		field++;
-	return field;
+	return field->sided ? field + contact_side(field->direction, mpm->p.damage_gradient[q]) : field;
 }
 
 /* Is any of a chunk's points near a node with several fields? */

@@ -384,7 +384,9 @@ static const struct scene_key boundary_keys[] = {
 
 static const struct scene_key contact_keys[] = {
 	{.name = "bodies", .type = KEY_CUSTOM, .absent = "every pair of bodies that no other contact names", .read = read_contact_bodies,
-	 .expected = "the names of two bodies: (\"a\", \"b\")", .doc = "names of the two bodies"},
+	 .expected = "the names of two bodies: (\"a\", \"b\"), or of one for its own cracks", .doc = "names of the two bodies; or of one, for the faces of its own cracks"},
+	{.name = "cracks", .type = KEY_BOOL, AT(scene_contact, cracks), .value = "false",
+	 .doc = "also between the faces of cracks in each of these bodies; without it they are welded, and pass no force where the law has lost its stress"},
 	{.name = "friction", .type = KEY_FLOAT, AT(scene_contact, friction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 100.0,
 	 .doc = "coefficient of friction"},
 	{.name = "softening", .type = KEY_CUSTOM, AT(scene_contact, softening), .absent = "friction does not depend on temperature", .read = read_softening,

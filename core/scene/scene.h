@@ -261,8 +261,9 @@ struct scene_boundary {
 /* ---- contacts between bodies (DP-MPM): without one they are welded where they meet ---- */
 
 struct scene_contact {
-	int n_bodies;                /* 2, or 0: all pairs of bodies that no other contact names */
+	int n_bodies;                /* 2; 1: the faces of its own cracks; 0: all pairs that no other contact names */
 	int bodies[2];
+	bool cracks;                 /* also the faces of cracks in each of the bodies; false */
 	double friction;             /* 0 */
 	double softening[2];         /* K: at which friction holds, and at which none is left; NAN = it does not fall */
 	double heat_share;           /* share of the friction work that heats the bodies, half each; 1 */
