@@ -2,9 +2,8 @@
  *
  * Damage d of the points is smoothed, D = sum V d w / sum V w with w = 1 - 3 r^2 + 2 r^3 over the diagonal of a cell.  Its
  * gradient points from either side to a crack between them.  Of the points that touch a node the one with the largest
- * gradient tells the direction; a point whose own gradient goes against it belongs to the second field.  The fields are
- * bonded until the node is separable: some point of either is broken, and the mean damage of both is above
- * SEPARABLE_MEAN.
+ * gradient tells the direction; a point whose own gradient goes against it is on the other side.  The node has a field for
+ * each side when it is separable: a point is broken, and the mean damage on both sides is above SEPARABLE_MEAN.
  *
  * Points hardly move in a few steps, so gradients are looked at every GRADIENT_STEPS only, and kept with the points.
  * Labels keep bodies apart, whatever their damage; two free faces of one body that meet, without a crack between them,
@@ -16,6 +15,7 @@
 
 enum { GRADIENT_STEPS = 8 };
 static const double DAMAGED = 1e-9; /* less is none */
+static const double BROKEN = 0.9999, SEPARABLE_MEAN = 0.25;
 
 /* ---- smoothed damage ---- */
 
@@ -101,6 +101,37 @@ static bool feels(const struct mpm *mpm, int i, int j, int q)
 		   fabs(mpm->p.x[q][1] - grid->origin[1] - j * grid->spacing[1]) < support * grid->spacing[1];
 }
 
+/* Has a crack come through between both sides of a node (eqs. 70, 71)? */
+static bool separable(const struct mpm *mpm, const struct contact *c, int i, int j, int label, const double direction[2])
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	const struct particles *p = &mpm->p;
+	struct shape_lists lists;
+	double mass[2] = {0.0, 0.0}, damage[2] = {0.0, 0.0};
+	int low[2], high[2], node = j * mpm->grid.nx + i;
+	bool against = false, broken = false;
+	contact_cells_about(mpm, i, j, low, high);
+	FOR_POINTS_ABOUT(mpm, w, low, high, q)
+	if (c->label[p->body[q]] == label && feels(mpm, i, j, q)) {
+		against = against || contact_side(direction, p->damage_gradient[q]);
+		broken = broken || p->damage[q] >= BROKEN;
+	}
+	if (!against || !broken)
+		return false;
+	FOR_POINTS_ABOUT(mpm, w, low, high, q)
+	if (c->label[p->body[q]] == label && feels(mpm, i, j, q)) {
+		int side = contact_side(direction, p->damage_gradient[q]);
+		mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &q, &lists);
+		for (int a = 0; a < lists.nodes; a++)
+			if (lists.node[a] == node) {
+				mass[side] += lists.weight[a] * p->mass[q];
+				damage[side] += lists.weight[a] * p->mass[q] * p->damage[q];
+			}
+	}
+	return mass[0] > 0.0 && mass[1] > 0.0 && damage[0] > SEPARABLE_MEAN * mass[0] &&
+		   damage[1] > SEPARABLE_MEAN * mass[1];
+}
+
 bool contact_sides(const struct mpm *mpm, const struct contact *c, int i, int j, int label, double direction[2])
 {
 	const struct mpm_work *w = mpm_work(mpm);
@@ -129,9 +160,5 @@ bool contact_sides(const struct mpm *mpm, const struct contact *c, int i, int j,
 	if (first < 0)
 		return false;
 	memcpy(direction, p->damage_gradient[first], 2 * sizeof *direction);
-	bool against = false;
-	FOR_POINTS_ABOUT(mpm, w, low, high, q)
-	against = against || (contact_side(direction, p->damage_gradient[q]) && c->label[p->body[q]] == label &&
-						  feels(mpm, i, j, q));
-	return against;
+	return separable(mpm, c, i, j, label, direction);
 }

@@ -241,7 +241,7 @@ static int too_many(const struct mpm *mpm, int i, int j, const char *what, int m
 					 what, most, cure);
 }
 
-/* The fields of a node in the order of their labels; returns how many, more than CONTACT_FIELDS_MOST if there is no room. */
+/* The fields of a node in the order of their labels, a body that is welded to an earlier one with it; returns how many, more than CONTACT_FIELDS_MOST if there is no room. */
 static int fields_about(const struct mpm *mpm, struct contact *c, int i, int j,
 						struct contact_field fields[CONTACT_FIELDS_MOST])
 {
@@ -249,7 +249,12 @@ static int fields_about(const struct mpm *mpm, struct contact *c, int i, int j,
 	if (n_labels > CONTACT_FIELDS_MOST)
 		return n_labels;
 	for (int k = 0; k < n_labels; k++) {
-		struct contact_field field = {.label = labels[k], .unit = -1};
+		bool joined = false;
+		for (int m = 0; m < n && !joined; m++)
+			joined = contact_joins(c, fields[m].label, labels[k]);
+		if (joined)
+			continue;
+		struct contact_field field = {.label = labels[k]};
 		field.sided = c->cracks && contact_sides(mpm, c, i, j, labels[k], field.direction);
 		if (n + field.sided + 1 > CONTACT_FIELDS_MOST)
 			return CONTACT_FIELDS_MOST + 1;
@@ -268,6 +273,8 @@ static int add_place(struct mpm *mpm, struct contact *c, int i, int j)
 	if (n > CONTACT_FIELDS_MOST)
 		return too_many(mpm, i, j, "more bodies and sides of cracks meet", CONTACT_FIELDS_MOST,
 						"a smaller grid.cell, or fewer bodies with contacts of their own");
+	if (n < 2)
+		return STATUS_OK;
 	if (c->n_slots + n - 1 > c->slots_most)
 		return too_many(mpm, i, j, "the scene needs more extra fields", c->slots_most, "a larger mpm.contact_fields");
 	struct contact_place *place = &c->places[c->n_places++];
@@ -320,9 +327,12 @@ bool contact_drive(struct mpm *mpm, int node, int body, const double v[2])
 	int label = c->label[body];
 	if (c->first[node] < 0)
 		return false;
-	for (int k = c->first[node]; k < c->n_fields && (k == c->first[node] || c->fields[k].node >= mpm->grid.nx * mpm->grid.ny); k++)
-		if (c->fields[k].label == label || c->pair[c->fields[k].label * c->n_labels + label] < 0)
-			memcpy(w->fixed_v[c->fields[k].node], v, sizeof w->fixed_v[c->fields[k].node]);
+	struct contact_field *field = &c->fields[c->first[node]];
+	while (!contact_joins(c, field->label, label))
+		field++;
+	memcpy(w->fixed_v[field->node], v, sizeof w->fixed_v[field->node]);
+	if (field->sided)
+		memcpy(w->fixed_v[field[1].node], v, sizeof w->fixed_v[field[1].node]);
 	return true;
 }
 
