@@ -8,8 +8,8 @@
  * exists in a scene without contacts: no slot, no pass, no branch but one.
  *
  * Bodies of one label share a field: those that no contact of the scene names.  At a node a body is welded to the first
- * one there with which it has no contact: it joins its field.  The faces of a crack share one until it is through; a field
- * for each side before that would hide the opening of the crack from the strain of the points beside it.
+ * one there with which it has no contact: it joins its field.  The faces of a crack share one until it is through; a
+ * field for each side before that would hide the opening of the crack from the strain of the points beside it.
  *
  * In a step, after the nodes' free step and before the walls: fields that move into each other and touch exchange the
  * impulse that stops them, and a Coulomb share of what stops their slip. */
@@ -58,8 +58,8 @@ void contact_apply(struct mpm *mpm);
 /* When the new velocities are final: where the work of the contacts went, and the pressure at the points. */
 void contact_account(struct mpm *mpm);
 
-/* The temperatures of fields that conduct heat to another, before heat flows in this step: at the node, not at the centre
- * of the points that lie on one side of it. */
+/* The temperatures of fields that conduct heat to another, before heat flows in this step: at the node, not at the
+ * centre of the points that lie on one side of it. */
 void contact_set_temperatures(struct mpm *mpm);
 
 /* Heat that flows between and into the fields of a node in one pass of dt seconds of thermal time: adds to the nodes'

@@ -1,9 +1,10 @@
 /* The faces of cracks: where a body that breaks has two fields at a node (DP-MPM section 3.2; Homel and Herbold 2017).
  *
- * Damage d of the points is smoothed, D = sum V d w / sum V w with w = 1 - 3 r^2 + 2 r^3 over the diagonal of a cell.  Its
- * gradient points from either side to a crack between them.  Of the points that touch a node the one with the largest
- * gradient tells the direction; a point whose own gradient goes against it is on the other side.  The node has a field for
- * each side when it is separable: a point is broken, and the mean damage on both sides is above SEPARABLE_MEAN.
+ * Damage d of the points is smoothed, D = sum V d w / sum V w with w = 1 - 3 r^2 + 2 r^3 over the diagonal of a cell.
+ * Its gradient points from either side to a crack between them.  Of the points that touch a node the one with the
+ * largest gradient tells the direction; a point whose own gradient goes against it is on the other side.  The node has
+ * a field for each side when it is separable: a point is broken, and the mean damage on both sides is above
+ * SEPARABLE_MEAN.
  *
  * Points hardly move in a few steps, so gradients are looked at every GRADIENT_STEPS only, and kept with the points.
  * Labels keep bodies apart, whatever their damage; two free faces of one body that meet, without a crack between them,
@@ -102,7 +103,8 @@ static bool feels(const struct mpm *mpm, int i, int j, int q)
 }
 
 /* Has a crack come through between both sides of a node (eqs. 70, 71)? */
-static bool separable(const struct mpm *mpm, const struct contact *c, int i, int j, int label, const double direction[2])
+static bool separable(const struct mpm *mpm, const struct contact *c, int i, int j, int label,
+					  const double direction[2])
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	const struct particles *p = &mpm->p;
@@ -150,8 +152,8 @@ bool contact_sides(const struct mpm *mpm, const struct contact *c, int i, int j,
 		return false;
 	FOR_POINTS_ABOUT(mpm, w, low, high, q)
 	{
-		double g2 = p->damage_gradient[q][0] * p->damage_gradient[q][0] +
-					p->damage_gradient[q][1] * p->damage_gradient[q][1];
+		double g2 =
+			p->damage_gradient[q][0] * p->damage_gradient[q][0] + p->damage_gradient[q][1] * p->damage_gradient[q][1];
 		/* of equal ones that which was born first: storage must not decide */
 		if (g2 > 0.0 && (g2 > most || (g2 == most && p->id[q] < p->id[first])) && c->label[p->body[q]] == label &&
 			feels(mpm, i, j, q))

@@ -99,8 +99,8 @@ int contact_create(struct mpm *mpm)
 	c->mixed = calloc(nodes, sizeof *c->mixed);
 	c->hot = calloc(cells, sizeof *c->hot);
 	c->sloped = calloc(cells, sizeof *c->sloped);
-	if (!c->label || !c->pair || !c->own || !c->hot || !c->sloped || !c->places || !c->fields || !c->pairs || !c->first || !c->home || !c->cell_label ||
-		!c->near || !c->mixed)
+	if (!c->label || !c->pair || !c->own || !c->hot || !c->sloped || !c->places || !c->fields || !c->pairs ||
+		!c->first || !c->home || !c->cell_label || !c->near || !c->mixed)
 		return error_set(STATUS_RESOURCE, "out of memory for %zu extra fields of %zu nodes", slots, nodes);
 	for (size_t k = 0; k < nodes; k++)
 		c->first[k] = -1;
@@ -235,13 +235,14 @@ static int labels_about(const struct mpm *mpm, struct contact *c, int i, int j, 
 static int too_many(const struct mpm *mpm, int i, int j, const char *what, int most, const char *cure)
 {
 	const struct grid *grid = &mpm->grid;
-	return error_set(STATUS_GUARD,
-					 "step %lld, t = %.6g s: at the node (%.6g, %.6g) m %s than %d; cure: %s (state: start of the step)",
-					 mpm->step, mpm->time, grid->origin[0] + i * grid->spacing[0], grid->origin[1] + j * grid->spacing[1],
-					 what, most, cure);
+	return error_set(
+		STATUS_GUARD,
+		"step %lld, t = %.6g s: at the node (%.6g, %.6g) m %s than %d; cure: %s (state: start of the step)", mpm->step,
+		mpm->time, grid->origin[0] + i * grid->spacing[0], grid->origin[1] + j * grid->spacing[1], what, most, cure);
 }
 
-/* The fields of a node in the order of their labels, a body that is welded to an earlier one with it; returns how many, more than CONTACT_FIELDS_MOST if there is no room. */
+/* The fields of a node in the order of their labels, a body that is welded to an earlier one with it; returns how many,
+ * more than CONTACT_FIELDS_MOST if there is no room. */
 static int fields_about(const struct mpm *mpm, struct contact *c, int i, int j,
 						struct contact_field fields[CONTACT_FIELDS_MOST])
 {

@@ -6,8 +6,9 @@
  *
  * n: the mass gradient of the heavier field, of the lighter, or their difference, whichever parts the points of both by
  * most.  A body's gradient says nothing of the contact where another of its faces is as near: at the leading edge of a
- * slider its own is turned forward, the base's is not; at the end of a face that both share only the difference is right.
- * (One rule alone turns such edges into brakes: the heavier one wherever the face lies between two rows of nodes.)
+ * slider its own is turned forward, the base's is not; at the end of a face that both share only the difference is
+ * right. (One rule alone turns such edges into brakes: the heavier one wherever the face lies between two rows of
+ * nodes.)
  *
  * Gap: nodes feel bodies a cell before they touch.  What counts is the distance along n between the foremost points of
  * both, less what their domains reach.
@@ -80,11 +81,8 @@ static int find_units(const struct mpm *mpm, const struct contact *c, const stru
 		const struct node_sum *sum = &mpm_work(mpm)->sums[field->node];
 		if (!(sum->mass > 0.0))
 			continue;
-		units[n] = (struct unit){.field = k,
-								 .mass = sum->mass,
-								 .volume = field->volume,
-								 .heat = sum->heat,
-								 .capacity = sum->capacity};
+		units[n] = (struct unit){
+			.field = k, .mass = sum->mass, .volume = field->volume, .heat = sum->heat, .capacity = sum->capacity};
 		memcpy(units[n].gradient, field->gradient, sizeof units[n].gradient);
 		memcpy(units[n].v, mpm->grid.v_new[field->node], sizeof units[n].v);
 		n++;
@@ -153,8 +151,8 @@ static void reach_of_point(const struct mpm *mpm, int q, int unit, const double 
 
 /* How far the points of a place reach along all its candidates.  Points count that the node can feel, and those beyond
  * them over which the foremost of the other body may stand. */
-static void reach_of_points(const struct mpm *mpm, const struct contact *c, const struct contact_place *place, int n_units,
-							const struct unit *units, int n, struct parting *partings)
+static void reach_of_points(const struct mpm *mpm, const struct contact *c, const struct contact_place *place,
+							int n_units, const struct unit *units, int n, struct parting *partings)
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	const struct grid *grid = &mpm->grid;
@@ -206,8 +204,8 @@ struct acting {
 };
 
 /* Pairs of a place that touch, in the order of the fields. */
-static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_place *place, int n,
-					  struct unit *units, struct acting *acting)
+static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_place *place, int n, struct unit *units,
+					  struct acting *acting)
 {
 	struct parting partings[PAIRS_MOST];
 	int looked = 0;
@@ -232,8 +230,7 @@ static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_p
 		pair->contact = la == lb ? c->own[la] : c->pair[la * c->n_labels + lb];
 		if (pair->contact < 0)
 			continue;
-		acting[place->n_pairs++] =
-			(struct acting){pair, a, b, friction_of(&mpm->scene->contacts[pair->contact], a, b)};
+		acting[place->n_pairs++] = (struct acting){pair, a, b, friction_of(&mpm->scene->contacts[pair->contact], a, b)};
 	}
 	return place->n_pairs;
 }
@@ -286,8 +283,9 @@ static void account_pair(const struct mpm *mpm, struct contact *c, struct contac
 	const struct grid *grid = &mpm->grid;
 	struct contact_field *fields[2] = {&c->fields[pair->a], &c->fields[pair->b]};
 	int a = fields[0]->node, b = fields[1]->node;
-	const double *n = pair->normal, jump[2] = {0.5 * (grid->v[a][0] + grid->v_new[a][0] - grid->v[b][0] - grid->v_new[b][0]),
-											   0.5 * (grid->v[a][1] + grid->v_new[a][1] - grid->v[b][1] - grid->v_new[b][1])};
+	const double *n = pair->normal,
+				 jump[2] = {0.5 * (grid->v[a][0] + grid->v_new[a][0] - grid->v[b][0] - grid->v_new[b][0]),
+							0.5 * (grid->v[a][1] + grid->v_new[a][1] - grid->v[b][1] - grid->v_new[b][1])};
 	double tangent_loss = pair->drag * (-jump[0] * n[1] + jump[1] * n[0]);
 	double friction = tangent_loss > 0.0 ? tangent_loss : 0.0;
 	double heat = mpm->thermal ? mpm->scene->contacts[pair->contact].heat_share * friction : 0.0;
@@ -322,8 +320,7 @@ static void press_block(struct mpm *mpm, int block)
 			mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &q, &lists);
 			for (int a = 0; a < lists.nodes; a++)
 				if (c->first[lists.node[a]] >= 0)
-					pressure += lists.weight[a] *
-								contact_field_of(mpm, c, lists.node[a], q)->pressure;
+					pressure += lists.weight[a] * contact_field_of(mpm, c, lists.node[a], q)->pressure;
 		}
 		mpm->p.contact_pressure[q] = pressure;
 	}

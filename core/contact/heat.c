@@ -93,7 +93,8 @@ void contact_set_temperatures(struct mpm *mpm)
 /* ---- flows ---- */
 
 /* The temperature of a field at the face of a pair, K. */
-static double face_temperature(const struct mpm *mpm, const struct contact_field *field, const struct contact_pair *pair)
+static double face_temperature(const struct mpm *mpm, const struct contact_field *field,
+							   const struct contact_pair *pair)
 {
 	double slope = field->slope[0] * pair->normal[0] + field->slope[1] * pair->normal[1];
 	return mpm->grid.T_new[field->node] + slope / mpm_work(mpm)->sums[field->node].capacity * pair->face;
@@ -109,7 +110,8 @@ static void conduct(const struct mpm *mpm, const struct contact *c, const struct
 	double conductance =
 		s->conductance * (s->conductance_exponent == 1.0 ? relative : pow(relative, s->conductance_exponent));
 	double most = 0.5 * pair->capacity * mpm->grid.h / dt;
-	double flow = fmin(conductance, most) * pair->area * (face_temperature(mpm, b, pair) - face_temperature(mpm, a, pair));
+	double flow =
+		fmin(conductance, most) * pair->area * (face_temperature(mpm, b, pair) - face_temperature(mpm, a, pair));
 	mpm_work(mpm)->sums[a->node].flow += flow;
 	mpm_work(mpm)->sums[b->node].flow -= flow;
 }

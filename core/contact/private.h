@@ -7,18 +7,18 @@
 
 /* One field of a node that has several.  Sums are over the points of the field; S is the weight of the node. */
 struct contact_field {
-	int node;           /* index in the arrays by node: the grid's own, or a slot */
-	int label;          /* of the body; others that are welded to it have joined it here */
-	int side;           /* of a crack in it: 0 or 1 */
-	bool sided;         /* there are both */
+	int node;            /* index in the arrays by node: the grid's own, or a slot */
+	int label;           /* of the body; others that are welded to it have joined it here */
+	int side;            /* of a crack in it: 0 or 1 */
+	bool sided;          /* there are both */
 	double direction[2]; /* 1/m: points whose damage gradient goes against it are on side 1 */
-	double gradient[2]; /* kg/m, sum m grad S: points out of the body */
-	double volume;      /* m3, sum V S */
-	double heat;        /* J, of friction, in this step */
-	double plain, lift; /* K, J: mean of the points' temperatures, and what their slope adds at the node */
-	double slope[2];    /* J/m, sum m c S grad T */
-	bool conducts;      /* to another body, in this step */
-	double pressure;    /* Pa, of its contacts in this step */
+	double gradient[2];  /* kg/m, sum m grad S: points out of the body */
+	double volume;       /* m3, sum V S */
+	double heat;         /* J, of friction, in this step */
+	double plain, lift;  /* K, J: mean of the points' temperatures, and what their slope adds at the node */
+	double slope[2];     /* J/m, sum m c S grad T */
+	bool conducts;       /* to another body, in this step */
+	double pressure;     /* Pa, of its contacts in this step */
 };
 
 /* A node with several fields: fields[first .. first + n - 1], in the order of their labels. */
@@ -41,9 +41,9 @@ struct contact_pair {
 
 struct contact {
 	int n_labels;
-	int *label; /* by body */
-	int *pair;  /* label * n_labels + label -> index into the scene's contacts, -1 = welded */
-	int *own;   /* label -> the contact between the faces of its own cracks, -1 = they are welded */
+	int *label;  /* by body */
+	int *pair;   /* label * n_labels + label -> index into the scene's contacts, -1 = welded */
+	int *own;    /* label -> the contact between the faces of its own cracks, -1 = they are welded */
 	bool cracks; /* some label has one, and the law breaks */
 
 	int n_slots, slots_most;
@@ -58,7 +58,6 @@ struct contact {
 	bool *mixed;     /* by grid node: several labels in reach, or both sides of a crack */
 	bool *hot;       /* by grid cell: near damage, at the last look */
 	bool *sloped;    /* by grid cell: a point in it has a damage gradient */
-
 };
 
 enum { CELL_EMPTY = -1, CELL_MIXED = -2 };

@@ -46,8 +46,8 @@ static const struct column columns[] = {
 	COLUMN(heat_pending, 'd', 1),
 	COLUMN(heat_friction_sum, 'd', 1),
 	COLUMN(growth, 'd', 1),
-	COLUMN(affine, 'd', 4), /* with APIC only */
-	COLUMN(damage, 'd', 1), /* with a law that breaks only */
+	COLUMN(affine, 'd', 4),           /* with APIC only */
+	COLUMN(damage, 'd', 1),           /* with a law that breaks only */
 	COLUMN(contact_pressure, 'd', 1), /* with contacts only */
 	COLUMN(damage_gradient, 'd', 2),  /* with contacts and a law that breaks only */
 };

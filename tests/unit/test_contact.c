@@ -1,7 +1,8 @@
 /* timeout: 300
  *
- * Bodies that touch: what must hold whatever the scene (momentum, energy, heat, bits), and the scenes in which methods of
- * this kind fail: faces between rows of nodes, leading edges, corners, three bodies at a node, thin bodies, slots. */
+ * Bodies that touch: what must hold whatever the scene (momentum, energy, heat, bits), and the scenes in which methods
+ * of this kind fail: faces between rows of nodes, leading edges, corners, three bodies at a node, thin bodies, slots.
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -200,7 +201,7 @@ static void test_slide_without_friction(void **state)
 	for (double at = 0.0; at < 0.95; at += 0.3) {
 		struct elastic_scene s;
 		struct mpm *mpm = start(slider(&s, at, 0.0, 0.0));
-		steps(mpm, 4000); /* six cells */
+		steps(mpm, 4000);                        /* six cells */
 		if (!(body_velocity(mpm, 1, 0) > 29.97)) /* 0.1% */
 			fail_msg("face at %g: 30 m/s have become %g", at, body_velocity(mpm, 1, 0));
 		mpm_free(mpm);
@@ -406,8 +407,8 @@ static void test_schemes(void **state)
 		enum mpm_transfer transfer;
 		enum mpm_order order;
 		const char *shape;
-	} schemes[] = {{MPM_FLIP, MPM_USF, "ugimp"}, {MPM_XPIC, MPM_MUSL, "ugimp"}, {MPM_FMPM, MPM_USL, "ugimp"},
-				   {MPM_APIC, MPM_USL, "ugimp"}, {MPM_APIC, MPM_MUSL, "cpdi"},  {MPM_FLIP, MPM_USL, "cpdi"},
+	} schemes[] = {{MPM_FLIP, MPM_USF, "ugimp"},  {MPM_XPIC, MPM_MUSL, "ugimp"}, {MPM_FMPM, MPM_USL, "ugimp"},
+				   {MPM_APIC, MPM_USL, "ugimp"},  {MPM_APIC, MPM_MUSL, "cpdi"},  {MPM_FLIP, MPM_USL, "cpdi"},
 				   {MPM_FLIP, MPM_MUSL, "linear"}};
 	for (size_t k = 0; k < sizeof schemes / sizeof *schemes; k++) {
 		struct elastic_scene s;
