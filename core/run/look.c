@@ -15,8 +15,9 @@ struct look_parts {
 	struct scene *scene;
 	struct mpm *mpm;
 	struct run_fields *fields;
-	struct rve_model *model; /* of an RVE file or a packing */
-	unsigned char *state;    /* of its own, of a snapshot, an RVE file or a packing */
+	struct inspected *inspected; /* at the state's time */
+	struct rve_model *model;     /* of an RVE file or a packing */
+	unsigned char *state;        /* of its own, of a snapshot, an RVE file or a packing */
 };
 
 /* The points of a state of a run, in the order of the file or of storage. */
@@ -111,21 +112,47 @@ static int look_find_id(const struct look_points *points, long long id)
 	return -1;
 }
 
-/* An inspected RVE: a snapshot says which point it followed, a checkpoint belongs to the scene that does. */
+/* What was inspected at this state: by the scene, and by those who steered.  A snapshot is written before the commands
+ * that are taken at its step. */
+static int look_take_inspected(struct look *look, long long step, bool snapshot)
+{
+	struct look_parts *parts = look->parts;
+	struct steering_script script;
+	char path[FILE_PATH];
+	CHECK(inspected_create(&parts->inspected, parts->mpm, parts->fields));
+	if (file_join(path, look->folder, "steering.csv") != STATUS_OK || !file_exists(path))
+		return STATUS_OK;
+	CHECK(steering_script_read(&script, path));
+	int status = STATUS_OK;
+	for (int k = 0; k < script.n && status == STATUS_OK; k++) {
+		struct steering_command *command = &script.rows[k].command;
+		struct inspected_rve rve;
+		if (command->verb != STEER_INSPECT || script.rows[k].step >= step + !snapshot)
+			continue;
+		if (command->target == STEER_NOTHING)
+			inspected_remove(parts->inspected, command->name);
+		else if (inspected_choose(parts->inspected, command, &rve) == STATUS_OK &&
+				 !inspected_is(parts->inspected, &rve))
+			rve.since = script.rows[k].step, status = inspected_set(parts->inspected, &rve);
+	}
+	steering_script_free(&script);
+	return status;
+}
+
+/* An inspected RVE: a snapshot says which point it followed, for a checkpoint it is found anew. */
 static int look_by_name(const struct look *look, const struct look_points *points, const char *name, int *point)
 {
-	const struct mpm *mpm = look->parts->mpm;
-	const struct scene *scene = mpm->scene;
+	const struct inspected *inspected = look->parts->inspected;
 	char dataset[96], all[512] = "";
-	for (int i = 0; i < scene->n_inspect; i++) {
-		const struct scene_inspect *inspect = &scene->inspect[i];
+	for (int i = 0; i < inspected->n; i++) {
+		const struct inspected_rve *rve = &inspected->rves[i];
 		size_t used = strlen(all);
-		snprintf(all + used, sizeof all - used, "%s%s", used ? ", " : "", inspect->name);
-		if (strcmp(inspect->name, name))
+		snprintf(all + used, sizeof all - used, "%s%s", used ? ", " : "", rve->name);
+		if (strcmp(rve->name, name) || (rve->rule && points->snapshot >= 0))
 			continue;
-		int stored =
-			inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
-		*point = stored < 0 ? -1 : look_find_id(points, mpm->p.id[stored]);
+		int stored;
+		CHECK(inspected_point(inspected, rve, &stored));
+		*point = stored < 0 ? -1 : look_find_id(points, inspected->mpm->p.id[stored]);
 	}
 	snprintf(dataset, sizeof dataset, "rve/%.64s", name);
 	if (points->snapshot >= 0 && h5_has(points->snapshot, "rve") && h5_has(points->snapshot, dataset)) {
@@ -138,8 +165,8 @@ static int look_by_name(const struct look *look, const struct look_points *point
 	}
 	if (*point >= 0)
 		return STATUS_OK;
-	return error_set(STATUS_INPUT, "--name %s: expected the name of an RVE that the scene inspects (%s)", name,
-					 *all ? all : "it inspects none");
+	return error_set(STATUS_INPUT, "--name %s: expected the name of an RVE that was inspected then (%s)", name,
+					 *all ? all : "there were none");
 }
 
 /* The nearest of those with an RVE. */
@@ -225,33 +252,27 @@ static int look_take_point(struct look *look, const struct look_points *points, 
 	return STATUS_OK;
 }
 
-/* The name under which the scene inspects the point, or "". */
+/* The name under which the point is inspected, or "". */
 static void look_take_name(struct look *look, const char *asked)
 {
-	const struct mpm *mpm = look->parts->mpm;
-	for (int i = 0; i < mpm->scene->n_inspect && !asked; i++) {
-		const struct scene_inspect *inspect = &mpm->scene->inspect[i];
-		int stored =
-			inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
-		if (stored >= 0 && mpm->p.id[stored] == look->origin.point)
-			asked = inspect->name;
-	}
+	const struct inspected *inspected = look->parts->inspected;
+	for (int i = 0; i < inspected->n && !asked; i++)
+		if (!inspected->rves[i].rule && inspected->rves[i].id == look->origin.point)
+			asked = inspected->rves[i].name;
 	snprintf(look->origin.name, sizeof look->origin.name, "%.63s", asked ? asked : "");
 }
 
-/* A recorded path begins with the run, or where its inspection began: then a start file stands beside it. */
-static void look_take_skip(struct look *look)
+/* A recorded path begins with the run, or where steering began to inspect the point. */
+static void look_take_path(struct look *look)
 {
-	char name[128], path[FILE_PATH];
-	struct rve_file *start;
-	look->skip = look->origin.step + !isnan(mpm_start_warming(look->parts->mpm, (int)look->origin.point));
-	snprintf(name, sizeof name, "rve/%s_start.h5", look->origin.name);
-	if (!*look->origin.name || file_join(path, look->folder, name) != STATUS_OK || !file_exists(path) ||
-		rve_file_read(&start, path) != STATUS_OK)
+	const struct inspected_rve *rve = inspected_find(look->parts->inspected, look->origin.name);
+	look->skip = look->origin.step;
+	if (!rve || rve->rule || rve->id != look->origin.point)
 		return;
-	if (start->origin.point == look->origin.point && start->origin.step <= look->origin.step)
-		look->skip = look->origin.step - start->origin.step;
-	rve_file_free(start);
+	look->skip = rve->since < 0 ? look->origin.step + !isnan(mpm_start_warming(look->parts->mpm, rve->id))
+								: look->origin.step - rve->since;
+	if (paths_name(look->folder, rve, "_path.csv", look->path) != STATUS_OK || !file_exists(look->path))
+		look->path[0] = '\0';
 }
 
 /* ---- a checkpoint ---- */
@@ -265,9 +286,10 @@ static int look_checkpoint(struct look *look, const struct look_choice *choice)
 	CHECK(checkpoint_look(look->source, mpm));
 	struct look_points points = {.snapshot = -1, .n = mpm->p.n, .id = mpm->p.id, .x = mpm->p.x};
 	int point;
-	CHECK(look_choose(look, &points, choice, &point));
 	look->origin.step = mpm->step;
 	look->origin.time = mpm->time;
+	CHECK(look_take_inspected(look, mpm->step, false));
+	CHECK(look_choose(look, &points, choice, &point));
 	CHECK(look_take_point(look, &points, point));
 	const struct law *law = mpm->laws[mpm->p.law[point]];
 	return law->type->rve_view(law, mpm->p.slot[point], &look->view.model, &look->view.state);
@@ -339,13 +361,13 @@ static int look_missing(const struct look *look, hid_t snapshot, int id)
 {
 	char command[8192], there[1024] = "", checkpoint[FILE_PATH], number[64], out[FILE_PATH];
 	double time;
-	const struct scene *scene = look->parts->scene;
-	for (int i = 0; i < scene->n_inspect; i++) {
+	const struct inspected *inspected = look->parts->inspected;
+	for (int i = 0; i < inspected->n; i++) {
 		char dataset[96];
 		size_t used = strlen(there);
-		snprintf(dataset, sizeof dataset, "rve/%s", scene->inspect[i].name);
+		snprintf(dataset, sizeof dataset, "rve/%s", inspected->rves[i].name);
 		if (h5_has(snapshot, dataset))
-			snprintf(there + used, sizeof there - used, "%s%s", used ? ", " : "", scene->inspect[i].name);
+			snprintf(there + used, sizeof there - used, "%s%s", used ? ", " : "", inspected->rves[i].name);
 	}
 	snprintf(command, sizeof command, "tmdempm run");
 	look_quote_scene(look, command, sizeof command);
@@ -396,14 +418,14 @@ static int look_read_state(struct look *look, hid_t set, const struct law *law)
 /* Among the states that a snapshot carries, the one of this point: under a name or its number. */
 static int look_find_state(struct look *look, hid_t snapshot, int id)
 {
-	const struct scene *scene = look->parts->scene;
-	for (int i = -1; i < scene->n_inspect; i++) {
+	const struct inspected *inspected = look->parts->inspected;
+	for (int i = -1; i < inspected->n; i++) {
 		char dataset[96];
 		long long found = -1;
 		if (i < 0)
 			snprintf(dataset, sizeof dataset, "rve/point_%d", id);
 		else
-			snprintf(dataset, sizeof dataset, "rve/%s", scene->inspect[i].name);
+			snprintf(dataset, sizeof dataset, "rve/%s", inspected->rves[i].name);
 		if (!h5_has(snapshot, "rve") || !h5_has(snapshot, dataset))
 			continue;
 		hid_t set = H5Dopen2(snapshot, dataset, H5P_DEFAULT);
@@ -434,6 +456,7 @@ static int look_snapshot_points(struct look *look, struct look_points *points, c
 	CHECK(h5_read(points->snapshot, "points/position", H5T_NATIVE_DOUBLE, 2 * n, points->x, look->source));
 	CHECK(h5_read_number(points->snapshot, "time", &look->origin.time, look->source));
 	CHECK(h5_read_integer(points->snapshot, "step", &look->origin.step, look->source));
+	CHECK(look_take_inspected(look, look->origin.step, true));
 	CHECK(look_choose(look, points, choice, &point));
 	CHECK(look_take_point(look, points, point));
 	return look_find_state(look, points->snapshot, points->id[point]);
@@ -599,7 +622,7 @@ static int look_any(struct look *look, const char *source, double time, const st
 	}
 	CHECK(look_run(look, choice));
 	look_take_name(look, choice->name);
-	look_take_skip(look);
+	look_take_path(look);
 	return STATUS_OK;
 }
 
@@ -633,6 +656,7 @@ void look_close(struct look *look)
 	struct look_parts *parts = look->parts;
 	if (!parts)
 		return;
+	inspected_free(parts->inspected);
 	fields_free(parts->fields);
 	mpm_free(parts->mpm);
 	scene_free(parts->scene);
