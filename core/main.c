@@ -9,6 +9,7 @@
 #include "exact/exact.h"
 #include "io/h5.h"
 #include "run/bench.h"
+#include "run/doctor.h"
 #include "run/live.h"
 #include "run/look_cli.h"
 #include "run/run.h"
@@ -37,6 +38,9 @@ static const char help[] =
 	"      validates a scene and says what its run will be; writes nothing\n"
 	"  tmdempm info [--json]\n"
 	"      what is built in, what is missing and how to get it\n"
+	"  tmdempm doctor [--timeout S] [PART]...\n"
+	"      tries everything that a run may need here (HDF5, drawing, ParaView, CUDA ...) and says what to do where it\n"
+	"      does not work; a part that does not answer within S seconds (30) counts as broken\n"
 	"  tmdempm rve pack|load|info|show|extract ...\n"
 	"      makes packings, loads one RVE alone; looks into the RVEs of a run, takes one out (tmdempm rve --help)\n"
 	"  tmdempm exact [NAME [--set parameter=value]... --at x,y --times a,b,c|from:to:n]\n"
@@ -315,6 +319,24 @@ static int command_info(int argc, char **argv)
 	return helped ? STATUS_OK : run_info(json);
 }
 
+static int command_doctor(int argc, char **argv)
+{
+	static const struct option long_options[] = {
+		{"timeout", required_argument, NULL, 't'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+	double timeout = 30.0;
+	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
+		char *end = NULL;
+		if (c == 'h')
+			return fputs(help, stdout), STATUS_OK;
+		if (c != 't')
+			return usage_option("doctor", c, argv);
+		timeout = strtod(optarg, &end);
+		if (*end || end == optarg || !(timeout > 0) || timeout > 3600)
+			return usage("doctor: --timeout %s: expected seconds, above 0 and at most 3600", optarg);
+	}
+	return run_doctor(timeout, argc - optind, argv + optind);
+}
+
 static int command_bench(int argc, char **argv)
 {
 	bool json, helped;
@@ -338,7 +360,7 @@ int main(int argc, char **argv)
 		int (*command)(int argc, char **argv);
 	} commands[] = {{"run", command_run},     {"check", command_check}, {"info", command_info},
 					{"bench", command_bench}, {"study", command_study}, {"exact", cli_exact},
-					{"steer", cli_steer}};
+					{"steer", cli_steer},     {"doctor", command_doctor}};
 	h5_start();
 	const char *name = argc > 1 ? argv[1] : "";
 	if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help"))
@@ -349,8 +371,8 @@ int main(int argc, char **argv)
 		return cli_look(argc - 2, argv + 2);
 	if (!strcmp(name, "rve"))
 		return cli_rve(argc - 1, argv + 1);
-	int status = *name ? usage("`%s` is no command: expected run, steer, check, info, rve, exact, study or bench", name)
-					   : usage("%s", "which command? expected run, steer, check, info, rve, exact, study or bench");
+	int status = *name ? usage("`%s` is no command: expected run, steer, check, info, doctor, rve, exact, study or bench", name)
+					   : usage("%s", "which command? expected run, steer, check, info, doctor, rve, exact, study or bench");
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
 		if (!strcmp(name, commands[i].name))
 			status = commands[i].command(argc - 1, argv + 1);

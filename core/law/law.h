@@ -25,11 +25,12 @@ struct law_batch {
 	double *heat;          /* out: W/m3 of current volume */
 	double (*conductivity)[3]; /* out: xx yy xy, W/(m K) */
 	double *modulus;       /* out: P-wave modulus, Pa */
+	double *damage;        /* out: 0 whole .. 1 broken; NULL unless some law of the scene breaks */
 	int failed;            /* out, on failure: the lowest k that failed, else -1 */
 };
 
 /* Energies of one point since its birth (or the last reset), J per m3 of its initial volume.
- * work = elastic + kinetic + friction + dashpot + bond + discarded - expansion, up to the law's own error. */
+ * work = elastic + kinetic + friction + dashpot + bond + fracture + discarded - expansion, up to the law's own error. */
 struct law_ledger {
 	double work;      /* of the stress on the strain, as the law itself integrates it */
 	double elastic;   /* stored now, counted from zero force */
@@ -37,6 +38,7 @@ struct law_ledger {
 	double friction;  /* turned into heat so far */
 	double dashpot;
 	double bond;
+	double fracture;  /* taken by damage so far, as heat or surface */
 	double expansion; /* put in by thermal expansion */
 	double discarded; /* dropped with re-seeded or gas states */
 };
@@ -50,6 +52,7 @@ struct law_counts {
 	long long clamped;     /* point-steps in which n_max cut the number of sub-steps */
 	long long rebuilds;    /* neighbour lists built */
 	long long bonds_installed, bonds_intact;
+	long long twin_calls, twin_disc_steps; /* of these, since the run began: not computed, a twin's was */
 	long long inertia[12]; /* histogram of inertial numbers: < 1e-6, then 2 bins a decade, > 1e-1 */
 };
 
@@ -59,6 +62,8 @@ struct rve_model; /* rve/rve.h */
 struct law_type {
 	const char *name;
 	const char *doc;
+	bool breaks;   /* it fills batch->damage */
+	bool friction; /* its heat is of friction: thermal.friction_heat */
 	bool cohesive; /* its points stay neighbours for good: pulled out of each other's reach the grid has torn them, not the law */
 	const struct field *fields; /* what export() can give, beside stress and heat */
 	int n_fields;
@@ -82,11 +87,17 @@ struct law_type {
 	void (*export_field)(const struct law *law, int f, int n, const int *slot, double *out);
 
 	void (*ledger)(const struct law *law, int slot, struct law_ledger *ledger);
-	void (*reset_ledger)(struct law *law, int slot); /* friction, dashpot ... start again from zero */
+	/* friction, dashpot ... start again from zero; asked for all points of the law together */
+	void (*reset_ledger)(struct law *law, int slot);
 	void (*counts)(const struct law *law, struct law_counts *counts); /* may be NULL */
 
 	/* A stage's action install_bonds: bonds the grains of every point where they touch; NULL where there are none. */
 	void (*install_bonds)(struct law *law);
+
+	/* Before law->states is read as bytes: points may share a state meanwhile.  And after it was replaced.  NULL where
+	 * every point has its state to itself. */
+	void (*write_out)(struct law *law);
+	void (*restored)(struct law *law);
 
 	/* The RVE behind a state, for rve_inspect() and rve_get_info(); NULL where the law has none. */
 	int (*rve_view)(const struct law *law, int slot, const struct rve_model **model, const void **state);
@@ -98,6 +109,7 @@ struct law {
 	char name[SCENE_NAME];
 	double density;       /* bulk at birth, kg/m3; NAN if the law has no opinion */
 	double coupling;      /* lambda / P-wave modulus at rest, 0..1: couples the two directions in the step's limit; 1 unless create() says less */
+	struct twins *twins;  /* law/twins.h; NULL: every point has its state to itself */
 	void *model;          /* parameters; rebuilt from the scene, never saved */
 	unsigned long long model_hash; /* of what the states rely on beside the scene's text (packings); 0 = nothing */
 	int n_points;

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "law/law.h"
+#include "law/twins.h"
 #include "rve/from_scene.h"
 #include "rve/packing.h"
 
@@ -42,8 +43,11 @@ static double field_value(const struct rve_info *info, int f)
 	return values[f];
 }
 
+/* The state that holds what is true of a point: its own, or the one that it shares with its twins. */
 static unsigned char *state_of(const struct law *law, int slot)
 {
+	const struct twins *twins = law->twins;
+	slot = twins ? twins->home[slot] : slot;
 	return law->states + (size_t)slot * law->state_bytes;
 }
 
@@ -90,11 +94,12 @@ static int create(struct law *law, const struct scene_law *scene, int n_points, 
 						 (double)bytes * 1e-6, n_points, rve_discs(law->model));
 	for (int k = 0; k < n_points; k++)
 		CHECK(rve_init(law->model, variant ? variant[k] : 0, state_of(law, k)));
-	return STATUS_OK;
+	return scene->rve.economy.twins ? twins_create(&law->twins, law->model, law->states, n_points) : STATUS_OK;
 }
 
 static void destroy(struct law *law)
 {
+	twins_free(law->twins);
 	rve_model_free(law->model);
 	free(law->states);
 }
@@ -124,7 +129,7 @@ static int advance(struct law *law, struct law_batch *batch)
 							 .conductivity = batch->conductivity,
 							 .modulus = batch->modulus,
 							 .failed = -1};
-	int status = rve_advance(law->model, &rves);
+	int status = law->twins ? twins_advance(law->twins, &rves) : rve_advance(law->model, &rves);
 	batch->failed = rves.failed;
 	return status == STATUS_OK ? status : error_context(status, "law %s", law->name);
 }
@@ -155,7 +160,20 @@ static void ledger(const struct law *law, int slot, struct law_ledger *sums)
 	};
 }
 
+/* All points are reset together, and to reset a state twice is to reset it once. */
 static void reset_ledger(struct law *law, int slot) { rve_reset_ledger(law->model, state_of(law, slot)); }
+
+static void write_out(struct law *law)
+{
+	if (law->twins)
+		twins_write_out(law->twins);
+}
+
+static void restored(struct law *law)
+{
+	if (law->twins)
+		twins_find(law->twins);
+}
 
 static void counts(const struct law *law, struct law_counts *sums)
 {
@@ -174,11 +192,15 @@ static void counts(const struct law *law, struct law_counts *sums)
 		for (int bin = 0; bin < 12; bin++)
 			sums->inertia[bin] += info.inertia[bin];
 	}
+	if (law->twins) {
+		sums->twin_calls = law->twins->saved_calls;
+		sums->twin_disc_steps = law->twins->saved_sub_steps * rve_discs(law->model);
+	}
 }
 
 static void install_bonds(struct law *law)
 {
-	for (int k = 0; k < law->n_points; k++)
+	for (int k = 0; k < law->n_points; k++) /* twins get the same bonds once more */
 		rve_install_bonds(law->model, state_of(law, k));
 }
 
@@ -192,6 +214,7 @@ static int rve_view(const struct law *law, int slot, const struct rve_model **mo
 const struct law_type law_rve = {
 	.name = "rve",
 	.doc = "granular matter: a periodic cell of discs behind every point (TM-DEMPM section 3)",
+	.friction = true,
 	.fields = fields,
 	.n_fields = N_FIELDS,
 	.create = create,
@@ -203,5 +226,7 @@ const struct law_type law_rve = {
 	.reset_ledger = reset_ledger,
 	.counts = counts,
 	.install_bonds = install_bonds,
+	.write_out = write_out,
+	.restored = restored,
 	.rve_view = rve_view,
 };

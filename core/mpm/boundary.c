@@ -43,6 +43,24 @@ static bool boundary_active(const struct mpm *mpm, const struct scene_boundary *
 	return now >= b->from && now < b->until;
 }
 
+/* Nodes that the points of a driving body touch; at the end of the step they move with it. */
+static void impose_drives(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	struct shape_lists lists;
+	double end = mpm->time + mpm->dt;
+	for (int k = 0; k < mpm->p.n; k++) {
+		const struct scene_body *body = &mpm->scene->bodies[mpm->p.body[k]];
+		if (!scene_body_drives(body) || mpm_cell_of(w, mpm->p.x[k]) < 0)
+			continue;
+		double share = end < body->drive_ramp ? end / body->drive_ramp : 1.0;
+		mpm_lists(mpm, 1, &k, &lists);
+		for (int a = 0; a < lists.nodes; a++)
+			for (int c = 0; c < 2 && lists.weight[a] > ON_BOX; c++)
+				w->fixed_v[lists.node[a]][c] = share * body->drive[c];
+	}
+}
+
 static void rebuild(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
@@ -63,6 +81,8 @@ static void rebuild(struct mpm *mpm)
 	for (int b = 0; b < mpm->scene->n_boundaries; b++)
 		if (w->boundary_on[b])
 			impose(mpm, &mpm->scene->boundaries[b], w->boundary_T[b]);
+	if (w->drives)
+		impose_drives(mpm);
 	w->imposes_T = false;
 	for (size_t k = 0; w->fixed_T && k < nodes; k++)
 		w->imposes_T = w->imposes_T || !isnan(w->fixed_T[k]);
@@ -114,7 +134,7 @@ void boundaries_update(struct mpm *mpm)
 	}
 	if (mpm->thermal)
 		update_heat(mpm);
-	if (w->boundaries_stale)
+	if (w->boundaries_stale || w->drives)
 		rebuild(mpm);
 	w->boundaries_stale = false;
 }
@@ -135,7 +155,9 @@ int boundaries_create(struct mpm *mpm)
 		if (mpm->thermal && scene_boundary_heats_points(boundary))
 			w->point_heats[w->n_point_heats++].boundary = boundary;
 	}
-	if (velocities) {
+	for (int b = 0; b < mpm->scene->n_bodies; b++)
+		w->drives = w->drives || scene_body_drives(&mpm->scene->bodies[b]);
+	if (velocities || w->drives) {
 		w->fixed_v = calloc(nodes, sizeof *w->fixed_v);
 		w->fixed_push = calloc(nodes, sizeof *w->fixed_push);
 		complete = complete && w->fixed_v && w->fixed_push;

@@ -25,6 +25,7 @@ struct particles {
 	double *volume0;    /* m3 at birth; now: det(F) volume0 */
 	double (*stress)[4];/* Pa: xx yy zz xy */
 	double *modulus;    /* P-wave modulus, Pa */
+	double *damage;     /* 0 whole .. 1 broken; NULL unless some law of the scene breaks */
 	double *T;          /* K, carried by increments (eq. 28) */
 	double *T_smooth;   /* K, remapped (eq. 29), input of the law only */
 	double *dT;         /* K, the increment of T_smooth that the law saw in the last step */

@@ -82,21 +82,17 @@ static int path_begin(struct path *path, const struct mpm *mpm, bool first)
 	return isnan(warming) ? STATUS_OK : path_row(path, mpm, rest, warming, mpm->p.T_smooth[path->point], false);
 }
 
-int paths_name(const char *folder, const struct inspected_rve *rve, const char *end, char file[FILE_PATH])
-{
-	char name[SCENE_NAME + 48], step[32] = "";
-	if (rve->since >= 0)
-		snprintf(step, sizeof step, "_%08lld", rve->since);
-	snprintf(name, sizeof name, "rve/%s%s%s", rve->name, step, end);
-	return file_join(file, folder, name);
-}
-
+/* rve/NAME_path.csv of a path that begins with the packing; rve/NAME_STEP.h5 and rve/NAME_STEP_path.csv of one that
+ * steering began. */
 static int path_file(const struct paths *paths, const struct inspected_rve *rve, const char *end, char file[FILE_PATH])
 {
-	char below[FILE_PATH];
+	char below[FILE_PATH], name[SCENE_NAME + 48], step[32] = "";
+	if (rve->since >= 0)
+		snprintf(step, sizeof step, "_%08lld", rve->since);
+	snprintf(name, sizeof name, "%s%s%s", rve->name, step, end);
 	CHECK(file_join(below, paths->folder, "rve"));
 	CHECK(file_make_folder(below));
-	return paths_name(paths->folder, rve, end, file);
+	return file_join(file, below, name);
 }
 
 /* `path` records the point from now on; one that goes on after a restart has its rows already. */

@@ -93,7 +93,7 @@ static void report_counts(struct json *json, const struct run *run)
 	struct law_counts counts;
 	double seconds = report_loop_time(run), steps = (double)(run->mpm->step - run->first_step);
 	run_counts(run, &counts);
-	double disc_steps = (double)(counts.disc_steps - run->first_disc_steps);
+	double disc_steps = (double)(counts.disc_steps - run->first_disc_steps - counts.twin_disc_steps); /* computed */
 	json_open(json, "rates", '{');
 	json_number(json, "point_steps_per_second", report_rate(steps * run->mpm->p.n, seconds));
 	json_number(json, "disc_steps_per_second", report_rate(disc_steps, seconds));
@@ -106,6 +106,10 @@ static void report_counts(struct json *json, const struct run *run)
 	json_integer(json, "reseeded", counts.reseeded);
 	json_integer(json, "clamped", counts.clamped);
 	json_integer(json, "rebuilds", counts.rebuilds);
+	json_open(json, "economy", '{');
+	json_integer(json, "twin_steps", counts.twin_calls);
+	json_integer(json, "twin_disc_steps", counts.twin_disc_steps);
+	json_close(json, '}');
 	json_integer(json, "bonds_installed", counts.bonds_installed);
 	json_integer(json, "bonds_intact", counts.bonds_intact);
 	json_open(json, "inertial_number_histogram", '[');
@@ -286,6 +290,15 @@ static void report_task(struct run *run, const char *task, double seconds, doubl
 	log_line(&run->log, "  %-16s %9.2f s %5.1f %%", task, seconds, total > 0 ? 100 * seconds / total : 0);
 }
 
+/* What was not computed, and how wrong that may be. */
+static void report_economy(struct run *run, const struct law_counts *counts)
+{
+	double steps = (double)(counts->disc_steps - run->first_disc_steps);
+	if (counts->twin_disc_steps > 0)
+		log_line(&run->log, "economy: twins saved %lld RVE steps, %.1f%% of all disc-steps; exact", counts->twin_calls,
+				 100.0 * (double)counts->twin_disc_steps / steps);
+}
+
 static void report_print_times(struct run *run)
 {
 	double law = 1e-9 * (double)run->mpm->law_time_ns, mpm = 1e-9 * (double)run->mpm->mpm_time_ns;
@@ -303,10 +316,11 @@ static void report_print_times(struct run *run)
 		log_line(&run->log, "  viewers took %.1f %% of the time (waited for, and on the machine's cores)",
 				 100 * report_viewer_share(run));
 	log_line(&run->log, "  %.4g point-steps/s, %.4g disc-steps/s", report_rate(steps * run->mpm->p.n, total),
-			 report_rate((double)(counts.disc_steps - run->first_disc_steps), total));
+			 report_rate((double)(counts.disc_steps - run->first_disc_steps - counts.twin_disc_steps), total));
 	if (counts.disc_steps > 0)
 		log_line(&run->log, "RVEs: %lld flying, %lld frozen, %lld re-seeded, %lld steps with N clamped", counts.gas,
 				 counts.frozen, counts.reseeded, counts.clamped);
+	report_economy(run, &counts);
 	if (counts.bonds_installed > 0)
 		log_line(&run->log, "bonds: %lld of %lld intact", counts.bonds_intact, counts.bonds_installed);
 }

@@ -30,9 +30,6 @@ int paths_create(struct paths **paths, const struct inspected *inspected, const 
  * it along rve/NAME_STEP_path.csv; what was recorded under this name ends.  And ends it without another. */
 int paths_start(struct paths *paths, const struct inspected_rve *rve);
 int paths_stop(struct paths *paths, const char *name);
-/* rve/NAME_path.csv of a path that begins with the packing; rve/NAME_STEP.h5 (`end` is ".h5") and
- * rve/NAME_STEP_path.csv of one that steering began. */
-int paths_name(const char *folder, const struct inspected_rve *rve, const char *end, char file[FILE_PATH]);
 int paths_record(struct paths *paths); /* after each step: what the laws got */
 int paths_sync(struct paths *paths);
 int paths_close(struct paths *paths);

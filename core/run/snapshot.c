@@ -300,7 +300,9 @@ static int snapshot_grid(const struct snapshots *s, hid_t group)
 static int snapshot_rve(const struct snapshots *s, hid_t group, const char *name, int point)
 {
 	const struct law *law = s->mpm->laws[s->mpm->p.law[point]];
-	const unsigned char *state = law->states + (size_t)s->mpm->p.slot[point] * law->state_bytes;
+	const struct rve_model *model;
+	const void *state;
+	CHECK(law->type->rve_view(law, s->mpm->p.slot[point], &model, &state));
 	CHECK(h5_write(group, name, H5T_NATIVE_UCHAR, law->state_bytes, 0, state));
 	CHECK(h5_attribute_integer(group, name, "id", s->mpm->p.id[point]));
 	CHECK(h5_attribute_integer(group, name, "packings", (long long)law->model_hash));

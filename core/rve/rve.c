@@ -651,7 +651,9 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 			}
 		}
 	}
-	return batch->failed < 0 ? STATUS_OK : report_failure(&model->params, batch->failed, worst);
+	if (batch->failed < 0)
+		return STATUS_OK;
+	return report_failure(&model->params, batch->number ? batch->number[batch->failed] : batch->failed, worst);
 }
 
 void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3],

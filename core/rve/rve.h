@@ -65,6 +65,7 @@ struct rve_batch {
 	int n;
 	unsigned char *states; /* base; state k begins at states + slot[k] * rve_state_bytes */
 	const int *slot;       /* NULL = 0, 1, 2 ... */
+	const int *number;     /* what messages call RVE k; NULL = k */
 	const double (*L)[4];  /* 1/s */
 	const double *dT;      /* temperature increment of this call, K */
 	const double *T;       /* absolute temperature at its end, K, at which bonds melt; NULL = they do not */

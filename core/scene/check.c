@@ -183,6 +183,20 @@ static void check_bonds(struct loader *loader, const struct scene_law_rve *rve, 
 				   scene_temperature_out(loader->scene, bonds->melting), scene_temperature_unit(loader->scene));
 }
 
+/* The softening of a point snaps back where its band is as wide as 2 E Gf / strength^2: half of that is asked for. */
+static void check_rankine(struct loader *loader, const struct scene_law_rankine *law, const char *path)
+{
+	double longest = law->young * law->fracture_energy / (law->strength * law->strength);
+	if (loader_clean(loader, "grid") && loader->scene->grid.cell * M_SQRT2 > longest) {
+		char key[PATH_LENGTH];
+		problem_of(loader, path_print(key, "%s.fracture_energy", path),
+				   "is too small for cells of %g m: a cracking point would snap back, expected cells of %.4g m or less = "
+				   "young fracture_energy / (sqrt(2) strength^2), or a fracture_energy of %.4g J/m2",
+				   loader->scene->grid.cell, longest / M_SQRT2,
+				   loader->scene->grid.cell * M_SQRT2 * law->strength * law->strength / law->young);
+	}
+}
+
 static void check_laws(struct loader *loader)
 {
 	for (int k = 0; k < loader->scene->n_laws; k++) {
@@ -194,6 +208,8 @@ static void check_laws(struct loader *loader)
 		if (law->type == SCENE_LAW_RVE) {
 			check_packing(loader, &law->rve.packing, path);
 			check_bonds(loader, &law->rve, path);
+		} else if (law->type == SCENE_LAW_RANKINE) {
+			check_rankine(loader, &law->rankine, path);
 		} else if (law->thermoelastic.neo_hookean && law->thermoelastic.plane_stress) {
 			char key[PATH_LENGTH];
 			problem_of(loader, path_print(key, "%s.plane", path),
@@ -202,11 +218,13 @@ static void check_laws(struct loader *loader)
 	}
 }
 
-/* P-wave modulus of linear elasticity, Pa. */
-static double p_wave_modulus(const struct scene_law_thermoelastic *law)
+/* P-wave modulus of a solid at small strain, Pa. */
+static double p_wave_modulus(const struct scene_law *law)
 {
-	double e = law->young, nu = law->poisson;
-	return law->plane_stress ? e / (1.0 - nu * nu) : e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
+	bool rankine = law->type == SCENE_LAW_RANKINE;
+	double e = rankine ? law->rankine.young : law->thermoelastic.young;
+	double nu = rankine ? law->rankine.poisson : law->thermoelastic.poisson;
+	return !rankine && law->thermoelastic.plane_stress ? e / (1.0 - nu * nu) : e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
 }
 
 /* The two step limits, where the file tells enough: dt <= b h sqrt(rho/M), dt_thermal <= rho c h^2 / (2 k). */
@@ -217,8 +235,8 @@ static void check_step(struct loader *loader, const struct scene_material *mater
 	double h = scene->grid.cell, step = scene->time.step, density = material->density;
 	if (law->type == SCENE_LAW_RVE && isnan(density))
 		density = law->rve.grain_density; /* the bulk is lighter: what is over this limit is over the true one */
-	if (law->type == SCENE_LAW_THERMOELASTIC) {
-		double limit = scene->time.step_factor * h * sqrt(density / p_wave_modulus(&law->thermoelastic));
+	if (law->type != SCENE_LAW_RVE) {
+		double limit = scene->time.step_factor * h * sqrt(density / p_wave_modulus(law));
 		if (scene->guards.time_step && step > limit)
 			problem_of(loader, "time.step",
 					   "is %g s, over the limit of material '%s', expected at most %.4g s = %g cell sqrt(density / M)",
@@ -269,7 +287,7 @@ static void check_materials(struct loader *loader)
 		law_path(loader, material->law, path);
 		if (!loader_clean(loader, "%s", path))
 			continue;
-		bool elastic = scene->laws[material->law].type == SCENE_LAW_THERMOELASTIC;
+		bool elastic = scene->laws[material->law].type != SCENE_LAW_RVE;
 		if (elastic && isnan(material->density))
 			problem_of(loader, path_to(path, "materials", k, "density"), "is missing, expected a number > 0 (kg/m3)");
 		if (scene->thermal.on && isnan(material->heat_capacity))
@@ -439,6 +457,19 @@ static void check_motion(struct loader *loader, int k)
 	}
 }
 
+static void check_cuts(struct loader *loader, int k)
+{
+	const struct scene_body *body = &loader->scene->bodies[k];
+	char path[PATH_LENGTH];
+	for (int j = 0; j < body->n_cuts; j++) {
+		path_print(path, "bodies.[%d].cuts.[%d]", k, j);
+		if (body->cuts[j].n_vertices == 0)
+			problem_of(loader, path, "has no shape, expected box = [...], polygon = (...) or disc = [...]");
+		else
+			check_polygon(loader, path, body->cuts[j].n_vertices, (const double(*)[2])body->cuts[j].vertices);
+	}
+}
+
 static void check_bodies(struct loader *loader)
 {
 	struct scene *scene = loader->scene;
@@ -455,6 +486,8 @@ static void check_bodies(struct loader *loader)
 					   body->points_per_cell);
 		check_layers(loader, k);
 		check_gradient(loader, k);
+		if (loader_clean(loader, "grid"))
+			check_cuts(loader, k);
 		path_to(path, "bodies", k, shape_key(loader, "bodies", k));
 		if (!*shape_key(loader, "bodies", k)) {
 			problem_of(loader, path,
@@ -625,13 +658,14 @@ static void check_follow(struct loader *loader)
 	}
 }
 
-/* Heat through a surface goes to the points of a box: is there one, unless it comes to them later? */
-static void check_heated_points(struct loader *loader, int k)
+/* Heat through a surface goes to the points of a box, and so does a traction: is there one, unless heat comes to them
+ * later? */
+static void check_points_of_box(struct loader *loader, int k)
 {
 	const struct scene *scene = loader->scene;
 	const struct scene_boundary *b = &scene->boundaries[k];
 	char path[PATH_LENGTH];
-	bool holds = b->from > 0.0;
+	bool loads = scene_boundary_loads_points(b), holds = b->from > 0.0 && !loads;
 	for (int n = 0; n < scene->n_bodies && !holds; n++) {
 		if (loader->n_points[n] < 0)
 			return;
@@ -642,8 +676,8 @@ static void check_heated_points(struct loader *loader, int k)
 	}
 	if (!holds)
 		problem_of(loader, path_to(path, "boundaries", k, "box"),
-				   "holds no point at the start to be heated, expected one that reaches %g m (layer) into a body",
-				   b->layer);
+				   "holds no point at the start to be %s, expected one that reaches %g m (layer) into a body",
+				   loads ? "loaded" : "heated", b->layer);
 }
 
 static void check_boundaries(struct loader *loader)
@@ -661,9 +695,10 @@ static void check_boundaries(struct loader *loader)
 		check_one_of(loader, "boundaries", k, "convection.ambient", b->convection.ambient,
 					 &b->convection.ambient_table);
 		check_convection(loader, k);
-		if (!nodal && !scene_boundary_heats_points(b) && clean_element(loader, "boundaries", k))
+		bool of_points = scene_boundary_heats_points(b) || scene_boundary_loads_points(b);
+		if (!nodal && !of_points && clean_element(loader, "boundaries", k))
 			problem_of(loader, path_to(path, "boundaries", k, ""),
-					   "imposes nothing, expected velocity_x, velocity_y, temperature, flux or convection");
+					   "imposes nothing, expected velocity_x, velocity_y, temperature, flux, convection, traction_x or traction_y");
 		if (b->until <= b->from)
 			problem_of(loader, path_to(path, "boundaries", k, "until"), "is %g s, expected more than from = %g s",
 					   b->until, b->from);
@@ -678,8 +713,8 @@ static void check_boundaries(struct loader *loader)
 					   "holds no node of the grid, expected one at least (cells of %g m from "
 					   "(%g, %g))",
 					   grid->cell, grid->origin[0], grid->origin[1]);
-		if (scene_boundary_heats_points(b) && clean_element(loader, "boundaries", k))
-			check_heated_points(loader, k);
+		if (of_points && clean_element(loader, "boundaries", k))
+			check_points_of_box(loader, k);
 	}
 }
 

@@ -66,9 +66,9 @@ static int append_law(struct loader *loader, const struct scene_key *key, struct
 	} else {
 		const struct node *type = node_find(node, "type");
 		problem_at(loader, type ? type->place : node->place, path,
-				   type ? "has a type that is not known, expected \"%s\" or \"%s\""
-						: "has no type, expected \"%s\" or \"%s\"",
-				   key->tables[0].type, key->tables[1].type);
+				   type ? "has a type that is not known, expected \"%s\", \"%s\" or \"%s\""
+						: "has no type, expected \"%s\", \"%s\" or \"%s\"",
+				   scene_law_type_names[0], scene_law_type_names[1], scene_law_type_names[2]);
 	}
 	if (!law->name[0])
 		snprintf(law->name, sizeof law->name, "%s", material);

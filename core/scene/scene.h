@@ -72,7 +72,8 @@ struct scene_thermal {
 
 /* ---- laws ---- */
 
-enum scene_law_type { SCENE_LAW_THERMOELASTIC, SCENE_LAW_RVE };
+enum scene_law_type { SCENE_LAW_THERMOELASTIC, SCENE_LAW_RVE, SCENE_LAW_RANKINE };
+extern const char *const scene_law_type_names[]; /* in the order of the enum, NULL-terminated */
 
 struct scene_law_thermoelastic {
 	double young;      /* Pa */
@@ -80,6 +81,19 @@ struct scene_law_thermoelastic {
 	double expansion;  /* 1/K, linear */
 	bool plane_stress; /* default false: plane strain */
 	bool neo_hookean;  /* default false: hencky */
+};
+
+/* Neo-Hookean thermoelasticity that breaks by Rankine's criterion: law/neohookean_rankine.c. */
+struct scene_law_rankine {
+	double young, poisson, expansion; /* Pa, -, 1/K */
+	double strength;                  /* Pa, tensile; the mean where it is scattered */
+	double fracture_energy;           /* J/m2 */
+	bool unilateral;                  /* default false: damage takes compression with it too */
+	bool projected;                   /* length of the band from the crack's direction; default false: cell sqrt(2) */
+	double heat_share;                /* chi, of the fracture energy that becomes heat; default 1 */
+	double weibull;                   /* modulus of the scatter of the strength; 0 = none (default) */
+	unsigned seed;
+	double cell;                      /* m, the grid's */
 };
 
 /* How to make (or where to find) the packing of an RVE law; see rve/packing.h. */
@@ -103,9 +117,15 @@ struct scene_bonds {
 	double reference; /* K; at and below it the strength of linear softening is whole; default 0 C */
 };
 
+/* What is not computed; see law/twins.h. */
+struct scene_economy {
+	bool twins; /* RVEs that are equal bit for bit are computed once; true */
+};
+
 struct scene_law_rve {
 	struct scene_packing packing;
 	struct scene_bonds bonds;
+	struct scene_economy economy;
 	double kn, ks;          /* N/m; 1e6 each */
 	double mu;              /* 0.5 */
 	double damping_ratio;   /* zeta; 0.2 */
@@ -130,6 +150,7 @@ struct scene_law {
 	enum scene_law_type type;
 	struct scene_law_thermoelastic thermoelastic;
 	struct scene_law_rve rve;
+	struct scene_law_rankine rankine;
 	struct scene_place place;
 };
 
@@ -169,12 +190,18 @@ struct scene_body {
 	double (*vertices)[2];    /* m, counter-clockwise after loading */
 	double centre[2];         /* m, of a disc or ring */
 	double radius, hole;      /* m; radius 0 = a polygon; hole 0 = a disc */
-	double lattice_origin[2]; /* m; NAN = the grid's origin: points sit at (i + 1/2) cell/side from here */
+	int n_cuts;
+	struct scene_body *cuts;  /* regions taken out of it: only their shapes count */
+	double angle;             /* rad, by which shape and lattice have been turned about the pivot; 0 */
+	double pivot[2];          /* m */
+	double lattice_origin[2]; /* m; NAN = the grid's origin: points sit at (i + 1/2) cell/side from here, before the turn */
 	int points_per_cell;      /* 1, 4, 9, 16 */
 	double temperature;       /* K */
 	double temperature_gradient[2]; /* K/m, added to the temperatures of the body and its layers; 0 */
 	double temperature_at[2];       /* m, where those hold */
 	double velocity[2];       /* m/s; without a motion */
+	double drive[2];          /* m/s, imposed on the nodes that its points touch; NAN = free */
+	double drive_ramp;        /* s, over which it rises from nothing; 0 */
 	struct scene_motion motion;
 	int variants;             /* packings with seeds seed .. seed+n-1 dealt out in turn; 1 */
 	int n_layers;
@@ -220,12 +247,13 @@ struct scene_boundary {
 	char name[SCENE_NAME];
 	double min[2], max[2]; /* m, a box; nodes within 1e-9 cell of it count */
 	double velocity[2];    /* m/s, each NAN = free */
+	double traction[2];    /* Pa, on the points that begin in the box, dead load; each NAN = none */
 	double temperature;    /* K; NAN = free, or by the table */
 	struct scene_series temperature_table; /* K */
 	double flux;           /* W/m2 into the material; NAN = none, or by the table */
 	struct scene_series flux_table; /* W/m2 */
 	struct scene_convection convection;
-	double layer;          /* m, thickness over which heat enters (virtual layer, eq. 10); default one cell */
+	double layer;          /* m, thickness over which heat or traction enters (virtual layer, eq. 10); default one cell */
 	double from, until;    /* s */
 	struct scene_place place;
 };
@@ -381,12 +409,18 @@ double scene_body_spacing(const struct scene *scene, const struct scene_body *bo
 /* Where that lattice begins, m: its points lie at origin + (i + 1/2, j + 1/2) spacing. */
 void scene_body_lattice(const struct scene *scene, const struct scene_body *body, double origin[2]);
 
+/* Turns a place with the body (direction 1), or back (-1). */
+void scene_body_turn(const struct scene_body *body, double direction, double x[2]);
+
+/* Does it impose its velocity on the nodes? */
+bool scene_body_drives(const struct scene_body *body);
+
 /* Is x inside of the body and further than `tolerance` (m) from its outline, or, if that is negative, at most so far
  * outside? */
 bool scene_body_contains(const struct scene_body *body, const double x[2], double tolerance);
 
-/* The points of a body: places origin + (i + 1/2, j + 1/2) spacing that lie strictly inside its outline
- * (a point on an edge, within 1e-6 of the spacing, does not count), row by row from the bottom, each row
+/* The points of a body: places origin + (i + 1/2, j + 1/2) spacing, turned with it, that lie strictly inside its outline
+ * and outside of its cuts (a point on an edge, within 1e-6 of the spacing, does not count), row by row from the bottom, each row
  * from the left: the order of birth, which numbers the points' ids body after body.  The caller frees *x
  * (n entries, m; NULL if none).  STATUS_INPUT for an absurd count, STATUS_RESOURCE for lack of memory. */
 int scene_body_points(const struct scene *scene, const struct scene_body *body, double (**x)[2], int *n);
@@ -403,6 +437,7 @@ double scene_value_at(double constant, const struct scene_series *series, double
 bool scene_wall_heats(const struct scene_wall *wall);                     /* imposes a temperature on nodes */
 bool scene_boundary_heats_nodes(const struct scene_boundary *boundary);   /* the same */
 bool scene_boundary_heats_points(const struct scene_boundary *boundary);  /* by a flux or convection */
+bool scene_boundary_loads_points(const struct scene_boundary *boundary);  /* by a traction */
 
 /* K -> the scene's unit, and back. */
 double scene_temperature_out(const struct scene *scene, double kelvin);

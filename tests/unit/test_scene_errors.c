@@ -93,7 +93,7 @@ static const struct {
 	{"name = \"roof\"", "name = \"the roof\"", "is \"the roof\", expected a name of letters, digits, _ and -"},
 	{"type = \"thermoelastic\"", "type = \"elastic\"",
 	 "laws.[0].type is \"elastic\", expected one of \"thermoelastic\", \"rve\""},
-	{"type = \"rve\";", "", "materials.[1].law has no type, expected \"thermoelastic\" or \"rve\""},
+	{"type = \"rve\";", "", "materials.[1].law has no type, expected \"thermoelastic\", \"rve\" or \"neohookean_rankine\""},
 	{"pressure = 1e4;", "pressure = 1e4; discs = 400.0;",
 	 "packing.discs is a number, expected an integer from 16 to 16000"},
 	{"pressure = 1e4;", "pressure = 1e4; seed = -1;", "packing.seed is -1, expected an integer from 0 to 4294967295"},
