@@ -84,6 +84,8 @@ static void steered_describe(void *data, FILE *to)
 		fprintf(to, "image      %s every %.9g s\n", scene->images[i].name, images_every(run->images, i));
 }
 
+static void steered_waits(void *data) { watch_wait(data); }
+
 /* ---- life ---- */
 
 /* The log that says what was in force: ours, or, in a new folder, that beside the checkpoint. */
@@ -97,10 +99,11 @@ static int steered_restore(struct run *run, const char *ours, bool continues)
 
 int steered_open(struct run *run, bool continues)
 {
-	struct steering_host host = {run, steered_when, steered_act, steered_say, steered_describe};
+	struct steering_host host = {run, steered_when, steered_act, steered_say, steered_describe, steered_waits};
 	char log[FILE_PATH];
 	CHECK(file_join(log, run->folder, "steering.csv"));
 	CHECK(steering_create(&run->steering, &host, log, run->options->steering ? &run->script : NULL));
+	live_steer(run->live, run->steering);
 	if (run->options->restart)
 		CHECK(steered_restore(run, log, continues));
 	if (run->options->paused)

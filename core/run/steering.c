@@ -382,6 +382,8 @@ static void wait_paused(struct steering *s)
 		struct steering_command save = {.verb = STEER_CHECKPOINT};
 		if (signals_take_checkpoint())
 			say(s, "%s", act(s, &save, -1, said) == STATUS_OK ? said : error_message());
+		if (s->host.waits)
+			s->host.waits(s->host.data);
 		look(s, WAIT_MS);
 		apply_all(s);
 	}
