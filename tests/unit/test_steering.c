@@ -109,7 +109,7 @@ struct world {
 	struct steering *steering;
 	int event; /* readable: somebody will say what `next` is when the run is paused */
 	const char *next[8];
-	int n_next, served;
+	int n_next, served, waits;
 	int answers, status;
 	char answer[512];
 };
@@ -147,6 +147,8 @@ static void hear(void *data, const char *text)
 
 static void describe(void *data, FILE *to) { fprintf(to, "step %lld\n", ((struct world *)data)->step); }
 
+static void waits(void *data) { ((struct world *)data)->waits++; }
+
 static int event_of(void *data) { return ((struct world *)data)->event; }
 
 static void serve(void *data)
@@ -170,7 +172,7 @@ static void told(void *asker, int status, const char *text)
 
 static void world_steer(struct world *w, const struct steering_script *script)
 {
-	struct steering_host host = {w, when, act, hear, describe};
+	struct steering_host host = {w, when, act, hear, describe, waits};
 	struct steering_transport transport = {event_of, serve, w};
 	assert_int_equal(steering_create(&w->steering, &host, w->log, script), STATUS_OK);
 	steering_add_transport(w->steering, &transport);
@@ -355,6 +357,7 @@ static void a_stop_stops_also_a_pause(void **unused)
 	world_run(&w, 1);
 	assert_true(steering_stops(w.steering));
 	assert_string_equal(w.acts, "0:checkpoint=1(-1) ");
+	assert_int_equal(w.waits, 2); /* those who watch saw the pause, and what came of the first command */
 	world_close(&w);
 }
 
