@@ -38,6 +38,7 @@ static void finish_bodies(struct scene *scene, const struct node *bodies)
 		struct scene_body *body = &scene->bodies[k];
 		body->temperature = otherwise(body->temperature, ROOM_TEMPERATURE);
 		body->angle *= M_PI / 180.0;
+		body->drives = !isnan(body->drive[0]);
 		turn_shape(body, body);
 		for (int j = 0; j < body->n_cuts; j++)
 			turn_shape(body, &body->cuts[j]);

@@ -200,7 +200,8 @@ struct scene_body {
 	double temperature_gradient[2]; /* K/m, added to the temperatures of the body and its layers; 0 */
 	double temperature_at[2];       /* m, where those hold */
 	double velocity[2];       /* m/s; without a motion */
-	double drive[2];          /* m/s, imposed on the nodes that its points touch; NAN = free */
+	bool drives;              /* a velocity is imposed on the nodes that its points touch */
+	double drive[2];          /* m/s, that; NAN = free */
 	double drive_ramp;        /* s, over which it rises from nothing; 0 */
 	struct scene_motion motion;
 	int variants;             /* packings with seeds seed .. seed+n-1 dealt out in turn; 1 */
@@ -410,9 +411,6 @@ void scene_body_lattice(const struct scene *scene, const struct scene_body *body
 
 /* Turns a place with the body (direction 1), or back (-1). */
 void scene_body_turn(const struct scene_body *body, double direction, double x[2]);
-
-/* Does it impose its velocity on the nodes? */
-bool scene_body_drives(const struct scene_body *body);
 
 /* Is x inside of the body and further than `tolerance` (m) from its outline, or, if that is negative, at most so far
  * outside? */
