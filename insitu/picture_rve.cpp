@@ -364,7 +364,7 @@ void draw_column(const rve_page &at, size_t k, bool bar)
 	if (!bar)
 		return;
 	double room = height - rose - 26 * u, inset = 0.5 * std::max(10 * u, room - 420 * u);
-	double x = x0 + 0.5 * std::max(0.0, x1 - x0 - scale_bar_width(at.page, at.scale));
+	double x = std::round(x0 + 0.5 * std::max(0.0, x1 - x0 - scale_bar_width(at.page, at.scale)));
 	scale_bar_upright(at.page, at.scale, x, at.windows[k].y0 + inset, at.windows[k].y0 + room - inset);
 }
 

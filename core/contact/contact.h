@@ -52,6 +52,10 @@ void contact_apply(struct mpm *mpm);
 /* When the new velocities are final: where the work of the contacts went, and the pressure at the points. */
 void contact_account(struct mpm *mpm);
 
+/* The temperatures of fields that conduct heat to another, before heat flows in this step: at the node, not at the centre
+ * of the points that lie on one side of it. */
+void contact_set_temperatures(struct mpm *mpm);
+
 /* Heat that flows between and into the fields of a node in one pass of dt seconds of thermal time: adds to the nodes'
  * flows, W.  Conduction adds up to zero. */
 void contact_exchange_heat(struct mpm *mpm, double dt);

@@ -4,10 +4,10 @@
  * step, and where their gap is closed.  The impulse along n that stops them is m_a m_b/(m_a + m_b) (v_a - v_b).n
  * (eq. 75), that of friction at most mu times as much (eq. 76).
  *
- * n: the mass gradient of the heavier unit or of the lighter, whichever parts the points of both by more.  A body's
- * gradient says nothing of the contact where another of its faces is as near: at the leading edge of a slider its own is
- * turned forward, the base's is not.  (The heavier one alone, or a mean of both, eq. 74, turns such edges into brakes,
- * the former wherever the face lies between two rows of nodes.)
+ * n: the mass gradient of the heavier unit, of the lighter, or their difference, whichever parts the points of both by
+ * most.  A body's gradient says nothing of the contact where another of its faces is as near: at the leading edge of a
+ * slider its own is turned forward, the base's is not; at the end of a face that both share only the difference is right.
+ * (One rule alone turns such edges into brakes: the heavier one wherever the face lies between two rows of nodes.)
  *
  * Gap: nodes feel bodies a cell before they touch.  What counts is the distance along n between the foremost points of
  * both, less what their domains reach.
@@ -22,6 +22,7 @@
 #include "mpm/point.h"
 
 static const double GAP_TOLERANCE = 0.1; /* of h: nearer than this is touching */
+static const double BEYOND = 0.5;        /* of h */
 static const double FLAT = 1e-9;         /* of h: normals that part the points by as much as another are as good */
 enum {
 	SWEEPS = 8, /* over the pairs of a node where three units or more meet */
@@ -143,19 +144,17 @@ static void apply_bonds(struct mpm *mpm, struct contact *c, const struct contact
 struct parting {
 	int a, b; /* units */
 	int n_normals;
-	double normal[2][2], area[2];
-	double top[2], bottom[2]; /* of a, of b; from the node */
+	double normal[3][2];
+	double top[3], bottom[3]; /* of a, of b; from the node */
 };
 
-static void add_normal(struct parting *parting, const struct contact_unit *unit, double sign)
+static void add_normal(struct parting *parting, double x, double y)
 {
-	double length = sqrt(unit->gradient[0] * unit->gradient[0] + unit->gradient[1] * unit->gradient[1]);
+	double length = sqrt(x * x + y * y);
 	int k = parting->n_normals;
 	if (!(length > 0.0))
 		return;
-	parting->normal[k][0] = sign * unit->gradient[0] / length;
-	parting->normal[k][1] = sign * unit->gradient[1] / length;
-	parting->area[k] = length * unit->volume / unit->mass;
+	parting->normal[k][0] = x / length, parting->normal[k][1] = y / length;
 	parting->top[k] = -INFINITY, parting->bottom[k] = INFINITY;
 	parting->n_normals++;
 }
@@ -163,10 +162,21 @@ static void add_normal(struct parting *parting, const struct contact_unit *unit,
 static struct parting begin_parting(const struct contact_unit *units, int a, int b)
 {
 	struct parting parting = {.a = a, .b = b};
+	const double *of_a = units[a].gradient, *of_b = units[b].gradient;
+	double scale[2] = {units[a].volume / units[a].mass, units[b].volume / units[b].mass};
 	bool a_first = units[a].mass >= units[b].mass;
-	add_normal(&parting, &units[a_first ? a : b], a_first ? 1.0 : -1.0);
-	add_normal(&parting, &units[a_first ? b : a], a_first ? -1.0 : 1.0);
+	add_normal(&parting, a_first ? of_a[0] : -of_b[0], a_first ? of_a[1] : -of_b[1]);
+	add_normal(&parting, a_first ? -of_b[0] : of_a[0], a_first ? -of_b[1] : of_a[1]);
+	add_normal(&parting, scale[0] * of_a[0] - scale[1] * of_b[0], scale[0] * of_a[1] - scale[1] * of_b[1]);
 	return parting;
+}
+
+/* m2, of the face between two units at a node: a body may have more of its surface there, not less. */
+static double face_area(const struct contact_unit *a, const struct contact_unit *b, const double n[2])
+{
+	double of_a = (a->gradient[0] * n[0] + a->gradient[1] * n[1]) * a->volume / a->mass;
+	double of_b = -(b->gradient[0] * n[0] + b->gradient[1] * n[1]) * b->volume / b->mass;
+	return fmin(of_a, of_b);
 }
 
 /* One point of a unit at x from the node. */
@@ -187,7 +197,8 @@ static void reach_of_point(const struct mpm *mpm, int q, int unit, const double 
 	}
 }
 
-/* How far the points of a place reach along all its candidates.  Points count that the node can feel. */
+/* How far the points of a place reach along all its candidates.  Points count that the node can feel, and those beyond
+ * them over which the foremost of the other body may stand. */
 static void reach_of_points(const struct mpm *mpm, const struct contact *c, const struct contact_place *place, int n_units,
 							const struct contact_unit *units, int n, struct parting *partings)
 {
@@ -200,7 +211,7 @@ static void reach_of_points(const struct mpm *mpm, const struct contact *c, cons
 			int q = w->order[k], unit = 0;
 			double x[2] = {mpm->p.x[q][0] - grid->origin[0] - i * grid->spacing[0],
 						   mpm->p.x[q][1] - grid->origin[1] - j * grid->spacing[1]};
-			double support = mpm->shape->support(w->half[mpm->p.body[q]], mpm->p.F[q]);
+			double support = mpm->shape->support(w->half[mpm->p.body[q]], mpm->p.F[q]) + BEYOND;
 			if (fabs(x[0]) >= support * grid->spacing[0] || fabs(x[1]) >= support * grid->spacing[1])
 				continue;
 			int field = contact_field_of(c, place->node, c->label[mpm->p.body[q]])->unit;
@@ -215,9 +226,9 @@ static void reach_of_points(const struct mpm *mpm, const struct contact *c, cons
 static int choose_normal(const struct mpm *mpm, const struct parting *parting)
 {
 	int best = 0;
-	if (parting->n_normals == 2 && parting->bottom[1] - parting->top[1] >
-									   parting->bottom[0] - parting->top[0] + FLAT * mpm->grid.h)
-		best = 1;
+	for (int k = 1; k < parting->n_normals; k++)
+		if (parting->bottom[k] - parting->top[k] > parting->bottom[best] - parting->top[best] + FLAT * mpm->grid.h)
+			best = k;
 	double gap = parting->bottom[best] - parting->top[best];
 	return parting->n_normals > 0 && gap <= GAP_TOLERANCE * mpm->grid.h ? best : -1;
 }
@@ -259,7 +270,9 @@ static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_p
 		if (best < 0)
 			continue;
 		struct contact_pair *pair = &c->pairs[place->first_pair + place->n_pairs];
-		*pair = (struct contact_pair){.a = a->field, .b = b->field, .area = parting->area[best]};
+		*pair = (struct contact_pair){.a = a->field, .b = b->field, .area = face_area(a, b, parting->normal[best])};
+		pair->capacity = fmin(a->capacity / a->volume, b->capacity / b->volume);
+		pair->face = 0.5 * (parting->top[best] + parting->bottom[best]);
 		memcpy(pair->normal, parting->normal[best], sizeof pair->normal);
 		pair->contact = c->pair[c->fields[a->field].label * c->n_labels + c->fields[b->field].label];
 		acting[place->n_pairs++] =
@@ -366,7 +379,7 @@ static void account_pair(const struct mpm *mpm, struct contact *c, struct contac
 	place->friction += friction;
 	place->impact += pair->push * (jump[0] * n[0] + jump[1] * n[1]) + tangent_loss - friction;
 	place->heat += heat;
-	double pressure = pair->push / (mpm->dt * pair->area);
+	double pressure = pair->area > 0.0 ? pair->push / (mpm->dt * pair->area) : 0.0;
 	give_unit(mpm, c, place, pair->a, ma, 0.5 * heat, pressure);
 	give_unit(mpm, c, place, pair->b, mb, 0.5 * heat, pressure);
 }

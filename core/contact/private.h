@@ -14,6 +14,9 @@ struct contact_field {
 	double volume;      /* m3, sum V S */
 	double bond[2];     /* kg m/s, from the fields bonded to this one, in this step */
 	double heat;        /* J, of friction, in this step */
+	double plain, lift; /* K, J: mean of the points' temperatures, and what their slope adds at the node */
+	double slope[2];    /* J/m, sum m c S grad T */
+	bool conducts;      /* to another body, in this step */
 	double pressure;    /* Pa, of the contacts of this field's unit, in this step */
 };
 
@@ -30,6 +33,8 @@ struct contact_pair {
 	int contact;       /* index into the scene's contacts */
 	double normal[2];  /* unit vector, from a to b */
 	double area;       /* m2, of the surface that belongs to this node */
+	double capacity;   /* J/(m3 K), of the one that holds less heat */
+	double face;       /* m, where the face lies along the normal, from the node */
 	double push, drag; /* kg m/s on b, along the normal and along the normal turned by +90 degrees; 0 = apart */
 };
 

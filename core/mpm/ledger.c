@@ -32,7 +32,7 @@ const struct field mpm_ledger_fields[] = {
 	{"energy_gravity", "J", 1, "- m g.x, counted from the origin of coordinates"},
 	{"energy_thermal", "J", 1, "heat content with the latent heat, counted from the start"},
 	{"work_boundary", "J", 1,
-	 "done by moving walls, imposed velocities, confining pressure and the body force of motions"},
+	 "done by moving walls, imposed velocities, confining pressure, tractions and the body force of motions"},
 	{"work_walls_friction", "J", 1, "turned into heat at walls"},
 	{"heat_rve_friction", "J", 1, "turned into heat in RVEs"},
 	{"loss_dashpot", "J", 1, "of the dashpots in RVEs"},

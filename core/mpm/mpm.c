@@ -197,7 +197,7 @@ static int create_work(struct mpm *mpm)
 		w->seen = calloc(nodes, sizeof *w->seen);
 		complete = complete && w->confining && w->seen;
 	}
-	bool driven = false;
+	bool driven = loads_points(mpm);
 	for (int b = 0; b < mpm->scene->n_bodies; b++)
 		driven = driven || (mpm->scene->bodies[b].motion.solution && mpm->scene->bodies[b].motion.force);
 	if (driven)

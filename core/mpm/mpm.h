@@ -33,7 +33,7 @@ struct mpm_ledger {
 	/* what is there now */
 	double energy_kinetic, energy_elastic, energy_rve_kinetic, energy_gravity, energy_thermal;
 	/* what has passed since the start (or zero_ledger) */
-	double work_boundary;       /* by moving walls, imposed velocities, confining pressure, body force of motions */
+	double work_boundary;       /* by moving walls, imposed velocities, confining pressure, body force of motions, tractions */
 	double work_walls_friction; /* turned into heat at walls */
 	double heat_rve_friction;   /* turned into heat in RVEs */
 	double loss_dashpot, loss_bond, loss_fracture;

@@ -184,7 +184,7 @@ struct mpm_work {
 
 	struct node_sum *sums;
 	double (*confining)[2];  /* m2: sum V grad w; NULL without confining pressure */
-	double (*body_force)[2]; /* N, by node, of bodies that follow a motion; NULL = none */
+	double (*body_force)[2]; /* N, by node, of bodies that follow a motion, and of tractions; NULL = none */
 	bool *seen;              /* by node, of a walk over the nodes beside a wall; NULL without confining pressure */
 	double *wall_heat;       /* J, by node: wall friction heat that waits for the thermal step; NULL = none */
 	double *fixed_T;         /* K, by node: imposed temperature, NAN = free; NULL without heat */
@@ -318,9 +318,11 @@ void mpm_filter_nodes(struct mpm *mpm);
 void mpm_strain_points(struct mpm *mpm);
 
 /* ---- motion.c ---- */
+/* Does some boundary load points? */
+bool loads_points(const struct mpm *mpm);
 /* Puts a point of a body with a motion where that begins. */
 int motion_begin(struct mpm *mpm, int p, const double X[2]);
-/* The nodes' body forces of this step. */
+/* The nodes' body forces of this step, of motions and tractions. */
 void motion_forces(struct mpm *mpm);
 
 /* ---- thermal.c ---- */

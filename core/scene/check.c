@@ -658,13 +658,14 @@ static void check_follow(struct loader *loader)
 	}
 }
 
-/* Heat through a surface goes to the points of a box: is there one, unless it comes to them later? */
-static void check_heated_points(struct loader *loader, int k)
+/* Heat through a surface goes to the points of a box, and so does a traction: is there one, unless heat comes to them
+ * later? */
+static void check_points_of_box(struct loader *loader, int k)
 {
 	const struct scene *scene = loader->scene;
 	const struct scene_boundary *b = &scene->boundaries[k];
 	char path[PATH_LENGTH];
-	bool holds = b->from > 0.0;
+	bool loads = scene_boundary_loads_points(b), holds = b->from > 0.0 && !loads;
 	for (int n = 0; n < scene->n_bodies && !holds; n++) {
 		if (loader->n_points[n] < 0)
 			return;
@@ -675,8 +676,8 @@ static void check_heated_points(struct loader *loader, int k)
 	}
 	if (!holds)
 		problem_of(loader, path_to(path, "boundaries", k, "box"),
-				   "holds no point at the start to be heated, expected one that reaches %g m (layer) into a body",
-				   b->layer);
+				   "holds no point at the start to be %s, expected one that reaches %g m (layer) into a body",
+				   loads ? "loaded" : "heated", b->layer);
 }
 
 static void check_boundaries(struct loader *loader)
@@ -694,9 +695,10 @@ static void check_boundaries(struct loader *loader)
 		check_one_of(loader, "boundaries", k, "convection.ambient", b->convection.ambient,
 					 &b->convection.ambient_table);
 		check_convection(loader, k);
-		if (!nodal && !scene_boundary_heats_points(b) && clean_element(loader, "boundaries", k))
+		bool of_points = scene_boundary_heats_points(b) || scene_boundary_loads_points(b);
+		if (!nodal && !of_points && clean_element(loader, "boundaries", k))
 			problem_of(loader, path_to(path, "boundaries", k, ""),
-					   "imposes nothing, expected velocity_x, velocity_y, temperature, flux or convection");
+					   "imposes nothing, expected velocity_x, velocity_y, temperature, flux, convection, traction_x or traction_y");
 		if (b->until <= b->from)
 			problem_of(loader, path_to(path, "boundaries", k, "until"), "is %g s, expected more than from = %g s",
 					   b->until, b->from);
@@ -711,8 +713,8 @@ static void check_boundaries(struct loader *loader)
 					   "holds no node of the grid, expected one at least (cells of %g m from "
 					   "(%g, %g))",
 					   grid->cell, grid->origin[0], grid->origin[1]);
-		if (scene_boundary_heats_points(b) && clean_element(loader, "boundaries", k))
-			check_heated_points(loader, k);
+		if (of_points && clean_element(loader, "boundaries", k))
+			check_points_of_box(loader, k);
 	}
 }
 

@@ -248,12 +248,13 @@ struct scene_boundary {
 	char name[SCENE_NAME];
 	double min[2], max[2]; /* m, a box; nodes within 1e-9 cell of it count */
 	double velocity[2];    /* m/s, each NAN = free */
+	double traction[2];    /* Pa, on the points that begin in the box, dead load; each NAN = none */
 	double temperature;    /* K; NAN = free, or by the table */
 	struct scene_series temperature_table; /* K */
 	double flux;           /* W/m2 into the material; NAN = none, or by the table */
 	struct scene_series flux_table; /* W/m2 */
 	struct scene_convection convection;
-	double layer;          /* m, thickness over which heat enters (virtual layer, eq. 10); default one cell */
+	double layer;          /* m, thickness over which heat or traction enters (virtual layer, eq. 10); default one cell */
 	double from, until;    /* s */
 	struct scene_place place;
 };
@@ -434,6 +435,7 @@ double scene_value_at(double constant, const struct scene_series *series, double
 bool scene_wall_heats(const struct scene_wall *wall);                     /* imposes a temperature on nodes */
 bool scene_boundary_heats_nodes(const struct scene_boundary *boundary);   /* the same */
 bool scene_boundary_heats_points(const struct scene_boundary *boundary);  /* by a flux or convection */
+bool scene_boundary_loads_points(const struct scene_boundary *boundary);  /* by a traction */
 
 /* K -> the scene's unit, and back. */
 double scene_temperature_out(const struct scene *scene, double kelvin);
