@@ -142,5 +142,7 @@ void finish_scene(struct loader *loader)
 		if (!node_find(stages->children[k], "walls"))
 			scene->stages[k].n_walls = -1;
 	}
+	for (int k = 0; k < scene->n_cracks; k++)
+		scene->cracks[k].reach = otherwise(scene->cracks[k].reach, 3.0 * scene->grid.cell);
 	finish_output(scene);
 }

@@ -303,6 +303,15 @@ struct scene_region {
 	struct scene_place place;
 };
 
+/* A crack to be followed: from where it begins. */
+struct scene_crack {
+	char name[SCENE_NAME];
+	double at[2]; /* m, in the initial body */
+	double axis;  /* deg, direction from which its angle counts */
+	double reach; /* m, how far from there its first broken point may lie; default three cells */
+	struct scene_place place;
+};
+
 /* An RVE to be watched: written to files, its path recorded, drawn. */
 struct scene_inspect {
 	char name[SCENE_NAME];
@@ -381,9 +390,10 @@ struct scene {
 	struct scene_stage *stages;
 	int n_contacts;
 	struct scene_contact *contacts;
-	int n_probes, n_regions, n_inspect, n_images;
+	int n_probes, n_regions, n_cracks, n_inspect, n_images;
 	struct scene_probe *probes;
 	struct scene_region *regions;
+	struct scene_crack *cracks;
 	struct scene_inspect *inspect;
 	struct scene_image *images;
 	struct scene_output output;
