@@ -38,7 +38,7 @@ static bool info_on_path(const char *program)
 	return false;
 }
 
-enum { INFO_DEVICES = 3, INFO_SINKS = 4 };
+enum { INFO_DEVICES = 3, INFO_SINKS = 5 };
 
 static void info_devices(struct info_part parts[INFO_DEVICES])
 {
@@ -57,6 +57,10 @@ static void info_sinks(struct info_part parts[INFO_SINKS])
 								  !viewer ? "install paraview-dev, python3-paraview, g++ and xvfb (apt-get install "
 											"--no-install-recommends), then build with -DTMDEMPM_INSITU=ON"
 										  : "install xvfb (apt-get install xvfb), or set DISPLAY"};
+	parts[4] = (struct info_part){"catalyst", "ParaView in the run: scripts (--pipeline), a live view (--live)",
+								  viewer_has_catalyst(),
+								  "install python3-paraview, paraview-dev, libpython3-dev and g++ (apt-get install "
+								  "--no-install-recommends), then build with -DTMDEMPM_INSITU=ON"};
 }
 
 /* ---- for people ---- */

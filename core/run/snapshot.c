@@ -378,6 +378,8 @@ static int snapshot_write_vtk(struct snapshots *s, const void *frame)
 	CHECK(file_join(path, s->folder, "vtk"));
 	CHECK(file_make_folder(path));
 	for (int c = 0; c < header->n_channels; c++) {
+		if (channels[c].rve.flags & FRAME_RVE_BIRTH)
+			continue;
 		struct series *series = series_find(s, channels[c].name);
 		if (!series)
 			return error_set(STATUS_RESOURCE, "out of memory");

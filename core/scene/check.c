@@ -939,7 +939,7 @@ static void check_inspect(struct loader *loader)
 
 static void check_images(struct loader *loader)
 {
-	static const char *const rve_fields[] = {"displacement", "rotation", "coordination", "radius"};
+	static const char *const rve_fields[] = {"displacement", "rotation", "coordination", "temperature", "radius"};
 	const struct scene *scene = loader->scene;
 	const struct node *list = node_find(loader->root, "images");
 	char path[PATH_LENGTH];
@@ -955,6 +955,9 @@ static void check_images(struct loader *loader)
 			if (rve)
 				problem_at(loader, rve->place, path_to(path, "images", k, "rve"),
 						   "is given for a picture of points, expected kind = \"rve\"");
+			if (image->before)
+				problem_of(loader, path_to(path, "images", k, "before"),
+						   "is given for a picture of points, expected kind = \"rve\"");
 			continue;
 		}
 		if (rve)
@@ -966,7 +969,8 @@ static void check_images(struct loader *loader)
 			known |= !strcmp(image->field, rve_fields[f]);
 		if (!known)
 			problem_of(loader, path_to(path, "images", k, "field"),
-					   "is \"%s\", expected a field of an RVE: displacement, rotation, coordination or radius",
+					   "is \"%s\", expected a field of an RVE: displacement, rotation, coordination, temperature or "
+					   "radius",
 					   image->field);
 	}
 }

@@ -337,6 +337,7 @@ struct scene_image {
 	char field[SCENE_NAME]; /* a name of the field table; RVE: "displacement", "rotation", "coordination", "radius" */
 	int component;          /* -1 = magnitude (or the scalar itself), else 0.. */
 	char rve[SCENE_NAME];   /* name in `inspect` */
+	bool before;            /* RVE: a second picture on the left, at birth */
 	double view[4];         /* m: xmin ymin xmax ymax; NAN = the grid */
 	int size[2];            /* pixels */
 	char map[SCENE_NAME];   /* "viridis", "inferno", "coolwarm" (diverging) */
