@@ -53,7 +53,7 @@ void boundaries_drive(struct mpm *mpm)
 	double end = mpm->time + mpm->dt;
 	for (int k = 0; k < mpm->p.n; k++) {
 		const struct scene_body *body = &mpm->scene->bodies[mpm->p.body[k]];
-		if (!scene_body_drives(body) || mpm_cell_of(w, mpm->p.x[k]) < 0)
+		if (!body->drives || mpm_cell_of(w, mpm->p.x[k]) < 0)
 			continue;
 		double share = end < body->drive_ramp ? end / body->drive_ramp : 1.0;
 		const double v[2] = {share * body->drive[0], share * body->drive[1]};
@@ -163,7 +163,7 @@ int boundaries_create(struct mpm *mpm)
 			w->point_heats[w->n_point_heats++].boundary = boundary;
 	}
 	for (int b = 0; b < mpm->scene->n_bodies; b++)
-		w->drives = w->drives || scene_body_drives(&mpm->scene->bodies[b]);
+		w->drives = w->drives || mpm->scene->bodies[b].drives;
 	if (velocities || w->drives) {
 		w->fixed_v = calloc(nodes, sizeof *w->fixed_v);
 		w->fixed_push = calloc(nodes, sizeof *w->fixed_push);
