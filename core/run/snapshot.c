@@ -345,6 +345,7 @@ static int snapshot_fill(const struct snapshots *s, hid_t file)
 {
 	CHECK(h5_attribute_number(file, ".", "time", s->mpm->time));
 	CHECK(h5_attribute_integer(file, ".", "step", s->mpm->step));
+	CHECK(h5_attribute_number(file, ".", "thickness", s->mpm->grid.thickness));
 	CHECK(snapshot_part(s, file, "points", snapshot_points));
 	CHECK(snapshot_part(s, file, "grid", snapshot_grid));
 	return snapshot_part(s, file, "rve", snapshot_rves);
