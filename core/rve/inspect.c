@@ -16,16 +16,14 @@ static void inspect_disc(const struct rve_model *model, const unsigned char *sta
 {
 	const struct rve_layout *layout = &model->layout;
 	const struct rve_head *head = (const struct rve_head *)state;
-	const real *s = (const real *)(state + layout->disc) + row;
 	const real32 *t = (const real32 *)(state + layout->disc32) + row;
-	double x = wrapped(s[DISC_SX * layout->stride]), y = wrapped(s[DISC_SY * layout->stride]);
-	double qx = s[DISC_SX * layout->stride] - (double)t[DISC32_REF_X * layout->stride];
-	double qy = s[DISC_SY * layout->stride] - (double)t[DISC32_REF_Y * layout->stride];
+	double x = wrapped(rve_place(layout, state, row, 0)), y = wrapped(rve_place(layout, state, row, 1));
+	double qx = rve_way(layout, state, row, 0), qy = rve_way(layout, state, row, 1);
 	const double *H = head->H;
 	disc->x = H[0] * x + H[1] * y;
 	disc->y = H[2] * x + H[3] * y;
 	disc->radius =
-		model->variants[head->variant].table[TABLE_R * layout->stride + ((const index16 *)(state + layout->id))[row]] *
+		model->variants[head->variant].table[TABLE_R * model->serial.stride + ((const index16 *)(state + layout->id))[row]] *
 		(1.0 + model->params.expansion * head->temperature);
 	disc->displacement[0] = (double)t[DISC32_UX * layout->stride] + H[0] * qx + H[1] * qy;
 	disc->displacement[1] = (double)t[DISC32_UY * layout->stride] + H[2] * qx + H[3] * qy;
@@ -54,10 +52,9 @@ int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, 
 	struct rve_disc a, b;
 	inspect_disc(model, state, i, &a);
 	inspect_disc(model, state, j, &b);
-	const real *s = (const real *)(state + layout->disc);
 	const double *H = head->H;
-	double sx = wrapped(s[j]) - wrapped(s[i]);
-	double sy = wrapped(s[layout->stride + j]) - wrapped(s[layout->stride + i]);
+	double sx = wrapped(rve_place(layout, state, j, 0)) - wrapped(rve_place(layout, state, i, 0));
+	double sy = wrapped(rve_place(layout, state, j, 1)) - wrapped(rve_place(layout, state, i, 1));
 	double kx = -rint(sx), ky = -rint(sy);
 	double bx = H[0] * (sx + kx) + H[1] * (sy + ky), by = H[2] * (sx + kx) + H[3] * (sy + ky);
 	double overlap = a.radius + b.radius - sqrt(bx * bx + by * by);
@@ -66,7 +63,7 @@ int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, 
 		return 0;
 	double normal = model->params.kn * overlap + (double)((const real32 *)(state + layout->fd))[p];
 	normal = bond == BOND_INTACT ? normal : fmax(0.0, normal);
-	double tangential = ((const real *)(state + layout->ft))[p], cap = model->params.mu * normal;
+	double tangential = rve_tangential(layout, state, p), cap = model->params.mu * normal;
 	contact->i = id[i];
 	contact->j = id[j];
 	contact->shift[0] = (int)kx;
@@ -91,15 +88,15 @@ int rve_inspect(const struct rve_model *model, const void *state, struct rve_dis
 				int capacity)
 {
 	const unsigned char *bytes = state;
-	const struct rve_head *head = state;
 	const index16 *id = (const index16 *)(bytes + model->layout.id);
 	int n = 0;
 	for (int i = 0; discs && i < model->layout.n; i++)
 		inspect_disc(model, bytes, i, &discs[id[i]]);
-	for (int level = 0; level < head->levels; level++)
-		for (int row = 0; row < head->level_rows[level]; row++) {
+	for (int level = 0; level < model->layout.levels; level++)
+		for (int row = 0; row < model->layout.n; row++) {
 			struct rve_contact contact;
-			if (!rve_inspect_slot(model, bytes, row, head->level_first[level] + row, &contact))
+			const int slot = rve_slot(&model->layout, state, row, level);
+			if (slot < 0 || !rve_inspect_slot(model, bytes, row, slot, &contact))
 				continue;
 			if (discs) {
 				discs[contact.i].contacts++;
@@ -127,9 +124,9 @@ unsigned long long rve_packings_hash(const struct rve_model *model)
 {
 	uint64_t hash = UINT64_C(14695981039346656037);
 	for (int v = 0; v < model->n_variants; v++) {
-		hash = hash_bytes(hash, model->variants[v].table + TABLE_R * model->layout.stride,
+		hash = hash_bytes(hash, model->variants[v].table + TABLE_R * model->serial.stride,
 						  sizeof(real) * (size_t)model->layout.n);
-		hash = hash_bytes(hash, model->variants[v].start, (size_t)model->layout.bytes);
+		hash = hash_bytes(hash, model->variants[v].serial_start, (size_t)model->serial.bytes);
 	}
 	return hash;
 }

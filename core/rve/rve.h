@@ -11,7 +11,15 @@
 struct rve_packing; /* packing.h */
 struct rve_model;   /* parameters and start packings of all RVEs of one law; read-only once made */
 
+/* How RVEs are computed.  Serial is the reference; the others have their own states and, each, their own bits. */
+enum rve_code_path {
+	RVE_SERIAL,     /* double precision: kernel.h */
+	RVE_SIMD,       /* double precision in short vectors: packed.h */
+	RVE_SIMD_SINGLE /* the same in single precision */
+};
+
 struct rve_params {
+	int path;               /* enum rve_code_path; packings are made with RVE_SERIAL whatever it is */
 	double kn, ks;          /* N/m */
 	double mu;              /* - */
 	double damping_ratio;   /* zeta of the normal dashpot */
