@@ -45,7 +45,8 @@ struct packed_place {
 	/* scratch */
 	num *r, *mass, *step_mass, *step_inertia, *rotation; /* of the rows */
 	num *own;                                            /* forces x, y and torques from the pairs that a row owns */
-	num *record, *force;
+	num *record, *velocity, *force;
+	uint32_t *offset; /* of the pairs: bytes to the velocity of the other disc */
 	unsigned char *free; /* the rest of it: for the neighbour search */
 };
 
@@ -77,8 +78,10 @@ static inline void packed_open(struct packed_place *at, unsigned char *scratch)
 	at->r = row, at->mass = row + stride, at->step_mass = row + 2 * stride, at->step_inertia = row + 3 * stride;
 	at->rotation = row + 4 * stride, at->own = row + 5 * stride;
 	at->record = row + 8 * stride;
-	at->force = at->record + RECORD * (stride + LANE_COUNT);
-	at->free = (unsigned char *)(at->force + 4 * (stride + LANE_COUNT));
+	at->velocity = at->record + RECORD * (stride + LANE_COUNT);
+	at->force = at->velocity + VELOCITY * (stride + LANE_COUNT);
+	at->offset = (uint32_t *)(at->force + RECORD * (stride + LANE_COUNT));
+	at->free = (unsigned char *)(at->offset + layout->pairs);
 	at->scale = 1.0 + at->constants->expansion * at->head->temperature;
 	at->scale_step = at->constants->expansion * at->call->heating;
 	at->bond_temperature = at->call->temperature;
@@ -135,7 +138,8 @@ KERNEL(rve_packed)
 static inline int packed_scratch(const struct rve_layout *layout)
 {
 	const long row = layout->stride + LANE_COUNT;
-	const long bytes = (long)sizeof(num) * (8 + RECORD + 4) * row + packed_build_scratch(layout);
+	const long bytes = (long)sizeof(num) * (8 + 2 * RECORD + VELOCITY) * row + (long)sizeof(uint32_t) * layout->pairs +
+					   packed_build_scratch(layout);
 	return (int)((bytes + 63) / 64 * 64);
 }
 

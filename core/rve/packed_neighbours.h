@@ -6,14 +6,20 @@
 
 /* Discs and their images around the cell, sorted by grid cell: at most 4 n. */
 struct packed_rim {
-	double *x, *y, *r;
+	num *x, *y, *r; /* m */
 	int *row;
 };
+
+#ifndef PW
+#define PW 400
+#endif
+enum { PACKED_TOUCHES = 1 << 16, PACKED_WINDOW = PW };
 
 struct packed_search {
 	struct packed_rim rim;
 	double *x, *y; /* cell coordinates of the rows, between 0 and 1 */
 	int *cell, *sorted, *start, *rim_start, *keys;
+	int *pair_a, *pair_b; /* rows of all pairs in reach; TOUCHES is set in b where they touch */
 	int *order, *place;   /* old row of each new row, and back */
 	int *mark, *mark_of;  /* by row: slot of the pair with it, and whose */
 	index16 *near;        /* by row: its own pairs, the touching ones from the front, the others from the back */
@@ -24,11 +30,15 @@ struct packed_search {
 	num *moved;
 };
 
+/* Pairs that can be noted, and room behind them for what one disc finds. */
+static inline long packed_pairs_most(const struct rve_layout *layout) { return layout->pairs + 256; }
+
 static inline long packed_build_scratch(const struct rve_layout *layout)
 {
 	const long row = layout->stride, grid = layout->grid, levels = layout->levels + 1;
-	long bytes = (long)sizeof(double) * (3 * 4 * row + 2 * row);
-	bytes += (long)sizeof(int) * (4 * row + 6 * row + grid * grid + 1 + (grid + 2) * (grid + 2) + 1 + levels * levels + 1);
+	long bytes = (long)sizeof(num) * 3 * (4 * row + LANE_COUNT) + (long)sizeof(double) * 2 * row;
+	bytes += (long)sizeof(int) * 2 * packed_pairs_most(layout);
+	bytes += (long)sizeof(int) * (4 * row + LANE_COUNT + 6 * row + grid * grid + 1 + (grid + 2) * (grid + 2) + 1 + levels * levels + 1);
 	bytes += (long)sizeof(index16) * (levels + 2) * row;
 	bytes += (long)(sizeof(num) + 2 * sizeof(real32) + 1) * layout->pairs + (long)sizeof(num) * row;
 	return bytes + 20 * 64;
@@ -46,10 +56,12 @@ static inline void packed_search_open(const struct packed_place *at, struct pack
 	const size_t row = (size_t)at->layout->stride, grid = (size_t)at->layout->grid, pairs = (size_t)at->layout->pairs;
 	const size_t levels = (size_t)at->layout->levels + 1;
 	unsigned char *free = at->free;
-	s->rim.x = packed_take(&free, sizeof(double) * 4 * row);
-	s->rim.y = packed_take(&free, sizeof(double) * 4 * row);
-	s->rim.r = packed_take(&free, sizeof(double) * 4 * row);
-	s->rim.row = packed_take(&free, sizeof(int) * 4 * row);
+	num **of_rim[] = {&s->rim.x, &s->rim.y, &s->rim.r};
+	for (int k = 0; k < 3; k++)
+		*of_rim[k] = packed_take(&free, sizeof(num) * (4 * row + LANE_COUNT));
+	s->rim.row = packed_take(&free, sizeof(int) * (4 * row + LANE_COUNT));
+	s->pair_a = packed_take(&free, sizeof(int) * (size_t)packed_pairs_most(at->layout));
+	s->pair_b = packed_take(&free, sizeof(int) * (size_t)packed_pairs_most(at->layout));
 	s->x = packed_take(&free, sizeof(double) * row);
 	s->y = packed_take(&free, sizeof(double) * row);
 	int **of_rows[] = {&s->cell, &s->sorted, &s->order, &s->place, &s->mark, &s->mark_of};
@@ -145,61 +157,80 @@ static inline void packed_sort(const struct packed_place *at, struct packed_sear
 				const int i = s->sorted[q];
 				const double px = s->x[i] + turn_x, py = s->y[i] + turn_y;
 				s->rim.row[k] = i;
-				s->rim.x[k] = H[0] * px + H[1] * py;
-				s->rim.y[k] = H[2] * px + H[3] * py;
-				s->rim.r[k] = (double)at->r[i] * at->scale;
+				s->rim.x[k] = (num)(H[0] * px + H[1] * py);
+				s->rim.y[k] = (num)(H[2] * px + H[3] * py);
+				s->rim.r[k] = (num)((double)at->r[i] * at->scale);
 			}
 		}
 	}
 	s->rim_start[(nx + 2) * (ny + 2)] = k;
+	for (int q = k; q < k + LANE_COUNT; q++) { /* read with the last ones, and left out */
+		s->rim.x[q] = s->rim.y[q] = s->rim.r[q] = 0;
+		s->rim.row[q] = 0;
+	}
 	grid[0] = nx, grid[1] = ny;
 }
 
-/* Notes the pair of rows a and b with the one that owns it: of two discs of even and odd index the lower one, else the
- * higher one. */
-static inline void packed_note(const struct packed_place *at, struct packed_search *s, int a, int b, int touches)
+/* Those of the discs begin .. end - 1 of the rim that are in reach of disc a of it, behind the `found` pairs that there
+ * are already. */
+VECFN int packed_look(struct packed_search *s, int a, int begin, int end, vec skin, int found)
 {
-	const int levels = at->layout->levels + 1, ia = at->id[a], ib = at->id[b];
-	const int to_b = (((ia ^ ib) & 1) ^ (ia > ib)) == 0;
-	const int owner = to_b ? b : a, other = to_b ? a : b;
-	const int own = s->own[owner], touch = s->touch[owner];
-	if (own >= levels - 1) { /* too many: the caller sees it by the count */
-		s->own[owner] = (index16)(levels - 1);
-		s->touch[owner] = (index16)levels;
-		return;
+	const struct packed_rim *rim = &s->rim;
+	const vec x0 = vec_set(rim->x[a]), y0 = vec_set(rim->y[a]), r0 = vec_set(rim->r[a]);
+	const int row = rim->row[a];
+	for (int b = begin; b < end; b += VECTOR_WIDTH) {
+		const vec dx = vec_loadu(rim->x + b) - x0, dy = vec_loadu(rim->y + b) - y0;
+		const vec radii = vec_loadu(rim->r + b) + r0, square = dx * dx + dy * dy, cut = radii + skin;
+		const mask in = mask_above(cut * cut, square) & mask_first(end - b);
+		for (int k = 0; k < VECTOR_WIDTH; k++)
+			s->pair_a[found + k] = row;
+		found += ints_pick(s->pair_b + found, rim->row + b, in, mask_above(radii * radii, square), PACKED_TOUCHES);
 	}
-	index16 *list = s->near + owner * levels;
-	list[touches ? touch : levels - 1 - (own - touch)] = (index16)other;
-	s->touch[owner] = (index16)(touch + touches);
-	s->own[owner] = (index16)(own + 1);
+	return found;
 }
 
-/* All pairs in reach, each once: a cell's own discs, its right neighbour, and the three above. */
-static inline void packed_find(const struct packed_place *at, struct packed_search *s, const int grid[2])
+/* All pairs in reach, each once: a disc with the later ones of its cell and with its right neighbour, and with the three
+ * cells above.  Their number; -1: there is no room for so many. */
+static inline int packed_find(const struct packed_place *at, struct packed_search *s, const int grid[2])
 {
-	const int columns = grid[0] + 2;
-	const double skin = at->constants->skin;
-	const struct packed_rim *rim = &s->rim;
-	memset(s->own, 0, sizeof(index16) * (size_t)at->layout->stride);
-	memset(s->touch, 0, sizeof(index16) * (size_t)at->layout->stride);
+	const int columns = grid[0] + 2, most = at->layout->pairs;
+	/* a little more where coordinates in metres are single */
+	const vec skin = vec_set((num)(at->constants->skin * VECTOR_PICK(1.0, 1.0001)));
+	int found = 0;
 	for (int y = 0; y < grid[1]; y++)
 		for (int x = 0; x < grid[0]; x++) {
-			const int c = (y + 1) * columns + x + 1;
-			const int right_end = s->rim_start[c + 2], above = s->rim_start[c + columns - 1],
-					  above_end = s->rim_start[c + columns + 2];
+			const int c = (y + 1) * columns + x + 1, above = c + columns - 1;
 			for (int a = s->rim_start[c]; a < s->rim_start[c + 1]; a++) {
-				const double x0 = rim->x[a], y0 = rim->y[a], r0 = rim->r[a];
-				for (int half = 0; half < 2; half++) {
-					const int begin = half ? above : a + 1, end = half ? above_end : right_end;
-					for (int b = begin; b < end; b++) {
-						double dx = rim->x[b] - x0, dy = rim->y[b] - y0, radii = rim->r[b] + r0;
-						double square = dx * dx + dy * dy, cut = radii + skin;
-						if (square < cut * cut)
-							packed_note(at, s, rim->row[a], rim->row[b], square < radii * radii);
-					}
-				}
+				found = packed_look(s, a, a + 1, s->rim_start[c + 2], skin, found);
+				if (found > most)
+					return -1;
+				found = packed_look(s, a, s->rim_start[above], s->rim_start[above + 3], skin, found);
+				if (found > most)
+					return -1;
 			}
 		}
+	return found;
+}
+
+/* Gives each pair to the disc that owns it: of two discs of even and odd index the lower one, else the higher one.  0 if
+ * one has too many. */
+static inline int packed_deal(const struct packed_place *at, struct packed_search *s, int pairs)
+{
+	const int levels = at->layout->levels + 1;
+	memset(s->own, 0, sizeof(index16) * (size_t)at->layout->stride);
+	memset(s->touch, 0, sizeof(index16) * (size_t)at->layout->stride);
+	for (int k = 0; k < pairs; k++) {
+		const int a = s->pair_a[k], b = s->pair_b[k] & (PACKED_TOUCHES - 1), touches = s->pair_b[k] / PACKED_TOUCHES;
+		const int ia = at->id[a], ib = at->id[b], swap = -(((ia ^ ib) & 1) ^ (ia < ib));
+		const int owner = a ^ ((a ^ b) & swap), other = b ^ ((a ^ b) & swap);
+		const int own = s->own[owner], touch = s->touch[owner];
+		if (own + 1 >= levels)
+			return 0;
+		s->near[owner * levels + (touches ? touch : levels - 1 - (own - touch))] = (index16)other;
+		s->touch[owner] = (index16)(touch + touches);
+		s->own[owner] = (index16)(own + 1);
+	}
+	return 1;
 }
 
 /* New rows by touching pairs, then by all, the most first: `by_all` instead by all alone, which needs the fewest slots.
@@ -208,16 +239,19 @@ static inline int packed_order(const struct packed_place *at, struct packed_sear
 {
 	const int n = at->layout->n, stride = at->layout->stride, levels = at->layout->levels + 1, keys = levels * levels;
 	int *start = s->keys;
-	memset(start, 0, sizeof(int) * (size_t)(keys + 1));
 #define KEY(i) ((by_all ? 0 : levels - 1 - s->touch[i]) * levels + levels - 1 - s->own[i])
-	for (int i = 0; i < n; i++)
-		start[KEY(i) + 1]++;
-	for (int k = 0; k < keys; k++)
-		start[k + 1] += start[k];
-	for (int i = 0; i < n; i++) {
-		int row = start[KEY(i)]++;
-		s->order[row] = i;
-		s->place[i] = row;
+	for (int begin = 0; begin < n; begin += PACKED_WINDOW) {
+		const int end = begin + PACKED_WINDOW < n ? begin + PACKED_WINDOW : n;
+		memset(start, 0, sizeof(int) * (size_t)(keys + 1));
+		for (int k = begin; k < end; k++)
+			start[KEY(s->sorted[k]) + 1]++;
+		for (int k = 0; k < keys; k++)
+			start[k + 1] += start[k];
+		for (int k = begin; k < end; k++) {
+			const int i = s->sorted[k], row = begin + start[KEY(i)]++;
+			s->order[row] = i;
+			s->place[i] = row;
+		}
 	}
 #undef KEY
 	int sum = 0;
@@ -318,6 +352,7 @@ static inline void packed_move(struct packed_place *at, struct packed_search *s)
 }
 
 static inline void packed_records(struct packed_place *at);
+static inline void packed_offsets(struct packed_place *at);
 
 /* A new list for the configuration as it is.  `moved`: there was one before.  KERNEL_SLENDER or KERNEL_CROWDED if the
  * cell has become that. */
@@ -325,7 +360,7 @@ static __attribute__((noinline)) int packed_build(struct packed_place *at, int m
 {
 	struct packed_search search, *s = &search;
 	index16 old_first[UINT16_MAX / LANE_COUNT + 2];
-	const int n = at->layout->n, blocks = at->layout->stride / LANE_COUNT;
+	const int blocks = at->layout->stride / LANE_COUNT;
 	packed_search_open(at, s);
 	packed_rebase(at, s, moved);
 	const double reach = 2.0 * at->constants->r_max * at->scale + at->constants->skin;
@@ -333,16 +368,16 @@ static __attribute__((noinline)) int packed_build(struct packed_place *at, int m
 		return KERNEL_SLENDER;
 	int grid[2];
 	packed_sort(at, s, reach, grid);
-	packed_find(at, s, grid);
-	for (int i = 0; i < n; i++)
-		if (s->touch[i] > s->own[i])
-			return KERNEL_CROWDED;
+	const int pairs = packed_find(at, s, grid);
+	if (pairs < 0 || !packed_deal(at, s, pairs))
+		return KERNEL_CROWDED;
 	memcpy(old_first, at->first, sizeof(index16) * (size_t)(blocks + 1));
 	if (packed_order(at, s, 0) > at->layout->pairs && packed_order(at, s, 1) > at->layout->pairs)
 		return KERNEL_CROWDED;
 	packed_write(at, s, old_first);
 	packed_move(at, s);
 	packed_records(at);
+	packed_offsets(at);
 	return KERNEL_OK;
 }
 

@@ -48,6 +48,14 @@ VECFN vec coord_since(vec now, const real32 *ref)
 #endif
 }
 
+/* Where the other discs of the pairs are in memory. */
+static inline void packed_offsets(struct packed_place *at)
+{
+	const int slots = at->first[at->layout->stride / LANE_COUNT] * LANE_COUNT;
+	for (int p = 0; p < slots; p++)
+		at->offset[p] = VELOCITY * (uint32_t)sizeof(num) * at->pair_j[p];
+}
+
 /* Constants of the discs in rows; no forces. */
 static inline void packed_load(struct packed_place *at)
 {
@@ -62,31 +70,35 @@ static inline void packed_load(struct packed_place *at)
 		vec_store(at->step_mass + row, step_mass), vec_store(at->step_inertia + row, step_inertia);
 		vec_store(at->rotation + row, vec_set(0));
 	}
-	memset(at->force, 0, sizeof(num) * 4 * (size_t)(stride + 1));
+	packed_offsets(at);
+	memset(at->force, 0, sizeof(num) * RECORD * (size_t)(stride + 1));
 	num *ghost = at->record + RECORD * stride;
 	memset(ghost, 0, sizeof(num) * RECORD);
 	ghost[2] = (num)PACKED_GHOST_RADIUS;
+	memset(at->velocity + VELOCITY * stride, 0, sizeof(num) * VELOCITY);
 }
 
 /* The records of the discs as they are. */
 static inline void packed_records(struct packed_place *at)
 {
-	for (int row = 0; row < at->layout->stride; row += VECTOR_WIDTH)
-		vec_put6(at->record + RECORD * row, coord_as_record(at->sx + row), coord_as_record(at->sy + row),
-				 vec_load(at->r + row), vec_load(at->w + row), vec_load(at->vx + row), vec_load(at->vy + row));
+	for (int row = 0; row < at->layout->stride; row += VECTOR_WIDTH) {
+		vec_put4(at->record + RECORD * row, coord_as_record(at->sx + row), coord_as_record(at->sy + row),
+				 vec_load(at->r + row), vec_load(at->w + row));
+		vec_put2(at->velocity + VELOCITY * row, vec_load(at->vx + row), vec_load(at->vy + row));
+	}
 }
 
 /* Net forces and torques of a vector of rows; their records are left empty. */
 VECFN void forces_take(struct packed_place *at, int row, vec *fx, vec *fy, vec *torque)
 {
 	const int stride = at->layout->stride;
-	num *force = at->force + 4 * row;
+	num *force = at->force + RECORD * row;
 	const num *from[VECTOR_WIDTH];
 	vec x, y, t, none;
 	for (int k = 0; k < VECTOR_WIDTH; k++)
-		from[k] = force + 4 * k;
+		from[k] = force + RECORD * k;
 	vec_fetch4(from, &x, &y, &t, &none);
-	for (int k = 0; k < 4; k++)
+	for (int k = 0; k < RECORD; k++)
 		vec_store(force + VECTOR_WIDTH * k, vec_set(0));
 	*fx = x + vec_load(at->own + row);
 	*fy = y + vec_load(at->own + stride + row);
@@ -151,7 +163,8 @@ VECFN void packed_discs_of_kind(struct packed_place *at, const double H_inv[4], 
 				vec ux = hxx * qx + hxy * qy, uy = hyx * qx + hyy * qy, uu = ux * ux + uy * uy;
 				second[part] = vec_max(vec_min(uu, most[part]), second[part]);
 				most[part] = vec_max(uu, most[part]);
-				vec_put6(at->record + RECORD * row, px, py, vec_load(at->r + row), w, x, y);
+				vec_put4(at->record + RECORD * row, px, py, vec_load(at->r + row), w);
+				vec_put2(at->velocity + VELOCITY * row, x, y);
 			}
 			vec_store(at->vx + row, x);
 			vec_store(at->vy + row, y);
@@ -231,40 +244,84 @@ VECFN struct packed_contact packed_contact_of(const struct packed_place *at)
 								   .bond_mu = vec_set((num)c->bond_mu)};
 }
 
-/* One side of a vector of pairs. */
+/* Where pairs are; apart from the rest, so that no store makes the compiler read it again. */
+struct packed_pointers {
+	const num *record, *velocity;
+	const uint32_t *offset;
+	num *force, *ft;
+	real32 *fd;
+	const real32 *damping;
+	unsigned char *flag;
+};
+
+/* Records of the other discs, by the offset of a pair. */
+VECFN const num *packed_velocity(const num *velocity, uint32_t offset)
+{
+	return (const num *)((const char *)velocity + (size_t)offset);
+}
+
+VECFN const num *packed_record(const num *record, uint32_t offset)
+{
+	return (const num *)((const char *)record + (size_t)offset * (RECORD / VELOCITY));
+}
+
+/* The discs of a vector of rows: they own the pairs of their block. */
 struct packed_side {
 	vec x, y, r, w, vx, vy, radius, fx, fy, torque;
 };
 
-/* A vector of pairs, whose first slot is p and whose other discs are j[]: forces on `i`, into the records of the
- * others, and sums.  `last`: also everything that the homogenisation needs.  See contacts_of_level() for bonds. */
-VECFN void packed_pairs(struct packed_place *at, const struct packed_contact *c, struct packed_side *i, const int p,
-						struct packed_sums *sum, const int part, const int last, const int bonds, const int grows)
+/* A vector of pairs that touch, or did before, on its way: branch and what there is of the other discs, then what goes to
+ * these. */
+struct packed_near {
+	vec bx, by, length, inverse, r, w;
+	vec fx, fy, torque;
+};
+
+/* The distances of a vector of pairs with first slot p.  Is there anything to do? */
+VECFN int packed_reach(const struct packed_pointers at, const struct packed_contact *c, const struct packed_side *i,
+					   const int p, struct packed_near *near, const int bonds)
+{
+	const vec zero = vec_set(0);
+	const num *from[VECTOR_WIDTH];
+	for (int k = 0; k < VECTOR_WIDTH; k++)
+		from[k] = packed_record(at.record, at.offset[p + k]);
+	vec x, y;
+	vec_fetch4(from, &x, &y, &near->r, &near->w);
+	/* branch to the nearest image: unique while the cell is wide enough (packed_build) */
+	const vec ax = coord_branch(x, i->x), ay = coord_branch(y, i->y);
+	near->bx = c->hxx * ax + c->hxy * ay;
+	near->by = c->hyx * ax + c->hyy * ay;
+	/* the ghost may coincide */
+	near->length = vec_sqrt(vec_max(near->bx * near->bx + near->by * near->by, vec_set(VECTOR_PICK(1e-60, 1e-30F))));
+	near->inverse = vec_set(1) / near->length;
+	const mask touches = mask_above((i->radius + near->r * c->scale) - near->length, zero);
+	const mask touched = mask_or(mask_different(vec_load(at.ft + p), zero), mask_different(vec_load32(at.fd + p), zero));
+	const mask works = mask_or(touches, touched);
+	return mask_any(bonds ? mask_or(works, mask_flags(at.flag + p, BOND_INTACT)) : works);
+}
+
+/* The forces of a vector of pairs: on `i`, on the other discs for packed_react(), and sums.  `last`: also everything that
+ * the homogenisation needs.  See contacts_of_level() for bonds. */
+VECFN void packed_pairs(const struct packed_pointers at, const struct packed_contact *c, struct packed_side *i, const int p,
+						struct packed_near *near, struct packed_sums *sum, const int part, const int last,
+						const int bonds, const int grows)
 {
 #define SUM(field) sum->of[field][part]
 	const vec zero = vec_set(0), one = vec_set(1), half = vec_set((num)0.5);
-	const index16 *j = at->pair_j + p;
 	const num *from[VECTOR_WIDTH];
 	for (int k = 0; k < VECTOR_WIDTH; k++)
-		from[k] = at->record + RECORD * j[k];
-	vec xj, yj, rj, wj, vxj, vyj;
-	vec_fetch4(from, &xj, &yj, &rj, &wj);
-	/* branch to the nearest image: unique while the cell is wide enough (packed_build) */
-	const vec ax = coord_branch(xj, i->x), ay = coord_branch(yj, i->y);
-	const vec bx = c->hxx * ax + c->hxy * ay, by = c->hyx * ax + c->hyy * ay;
-	const vec length = vec_sqrt(vec_max(bx * bx + by * by, vec_set(VECTOR_PICK(1e-60, 1e-30F)))); /* the ghost may coincide */
+		from[k] = packed_velocity(at.velocity, at.offset[p + k]);
+	const vec bx = near->bx, by = near->by, length = near->length, rj = near->r, wj = near->w;
 	const vec radii = i->r + rj, radius = rj * c->scale;
 	const vec overlap = (i->radius + radius) - length;
 	const mask touches = mask_above(overlap, zero);
 	mask was = {0};
 	if (bonds)
-		was = mask_flags(at->flag + p, BOND_INTACT);
-	const vec ft_old = vec_load(at->ft + p), fd_old = vec_load32(at->fd + p);
-	if (!mask_any(touches) && !mask_any(mask_different(ft_old, zero)) && !mask_any(mask_different(fd_old, zero)) &&
-		!(bonds && mask_any(was)))
-		return;
-	vec_fetch2(from, 4, &vxj, &vyj);
-	const vec inverse = one / length, nx = bx * inverse, ny = by * inverse, middle = half * overlap;
+		was = mask_flags(at.flag + p, BOND_INTACT);
+	const vec ft_old = vec_load(at.ft + p), fd_old = vec_load32(at.fd + p);
+	vec vxj, vyj;
+	vec_fetch2(from, 0, &vxj, &vyj);
+	const vec inverse = near->inverse, nx = bx * inverse, ny = by * inverse, middle = half * overlap;
 	/* relative displacement in this sub-step: fluctuations and stretching, without the rotation */
 	const vec ex = c->dxx * bx + c->dxy * by, ey = c->dxy * bx + c->dyy * by;
 	const vec ai = i->radius - middle, aj = radius - middle;
@@ -273,7 +330,7 @@ VECFN void packed_pairs(struct packed_place *at, const struct packed_contact *c,
 		ux *= c->still, uy *= c->still, spin *= c->still;
 	ux += ex, uy += ey;
 	const vec un = ux * nx + uy * ny, ut = uy * nx - ux * ny - spin;
-	const vec damping = vec_load32(at->damping + p);
+	const vec damping = vec_load32(at.damping + p);
 	/* normal force: spring and dashpot, never pulling */
 	vec spring = c->kn * vec_max(overlap, zero);
 	vec fn = vec_where(touches, vec_max(spring - damping * un, zero));
@@ -301,21 +358,18 @@ VECFN void packed_pairs(struct packed_place *at, const struct packed_contact *c,
 			num broken[VECTOR_WIDTH] __attribute__((aligned(64)));
 			vec_store(broken, vec_where(breaks, one));
 			for (int k = 0; k < VECTOR_WIDTH; k++)
-				at->flag[p + k] = broken[k] != 0 ? BOND_BROKEN : at->flag[p + k];
+				at.flag[p + k] = broken[k] != 0 ? BOND_BROKEN : at.flag[p + k];
 		}
 		SUM(LANE_BOND) += vec_where(breaks, released + c->half_compliance * slip);
 		slip = vec_select(breaks, zero, slip);
 	}
 	const vec fx = fn * nx - ft * ny, fy = fn * ny + ft * nx;
-	vec_store(at->ft + p, ft);
-	vec_store32(at->fd + p, fd);
+	vec_store(at.ft + p, ft);
+	vec_store32(at.fd + p, fd);
 	i->fx -= fx;
 	i->fy -= fy;
 	i->torque -= ai * ft;
-	num *to[VECTOR_WIDTH];
-	for (int k = 0; k < VECTOR_WIDTH; k++)
-		to[k] = at->force + 4 * j[k];
-	vec_add3(to, fx, fy, -(aj * ft));
+	near->fx = fx, near->fy = fy, near->torque = -(aj * ft);
 	SUM(LANE_WORK) -= fx * ex + fy * ey;
 	if (grows)
 		SUM(LANE_EXPANSION) += spring * radii;
@@ -347,37 +401,81 @@ VECFN void packed_pairs(struct packed_place *at, const struct packed_contact *c,
 #undef SUM
 }
 
+/* The forces of a vector of pairs into the records of the other discs. */
+VECFN void packed_react(const struct packed_pointers at, const int p, const struct packed_near *near)
+{
+	num *to[VECTOR_WIDTH];
+	for (int k = 0; k < VECTOR_WIDTH; k++)
+		to[k] = (num *)packed_record(at.force, at.offset[p + k]);
+	vec_add3(to, near->fx, near->fy, near->torque);
+}
+
+VECFN void packed_side_load(const struct packed_place *at, const struct packed_contact *c, struct packed_side *i, int row)
+{
+	i->x = coord_as_record(at->sx + row), i->y = coord_as_record(at->sy + row);
+	i->r = vec_load(at->r + row), i->w = vec_load(at->w + row);
+	i->vx = vec_load(at->vx + row), i->vy = vec_load(at->vy + row);
+	i->radius = i->r * c->scale;
+	i->fx = i->fy = i->torque = vec_set(0);
+}
+
+/* Blocks whose distances are found together: long enough chains of independent work, and short enough for the first
+ * level of cache. */
+enum { BLOCKS_TOGETHER = 4 };
+
 /* Forces and torques of all discs. */
 VECFN void packed_contacts_of_kind(struct packed_place *at, const int last, const int bonds, const int grows)
 {
-	const int stride = at->layout->stride, fields = last ? LANE_OVERLAP + 1 : LANE_KINETIC_WORK;
+	const int stride = at->layout->stride, blocks = stride / LANE_COUNT;
+	const int fields = last ? LANE_OVERLAP + 1 : LANE_KINETIC_WORK;
 	const struct packed_contact contact = packed_contact_of(at);
+	struct packed_near near[BLOCKS_TOGETHER * RVE_LEVELS_MAX * BLOCK_PARTS];
+	index16 slot[BLOCKS_TOGETHER * RVE_LEVELS_MAX * BLOCK_PARTS + 1];
+	const struct packed_pointers pairs = {.record = at->record,
+										  .velocity = at->velocity,
+										  .offset = at->offset,
+										  .force = at->force,
+										  .ft = at->ft,
+										  .fd = at->fd,
+										  .damping = at->damping,
+										  .flag = at->flag};
+	const index16 *const first = at->first;
 	struct packed_sums sum;
 #pragma GCC unroll 32
 	for (int field = 0; field < fields; field++)
 		EACH_PART sum.of[field][part] = vec_set(0);
-	for (int block = 0; block < stride / LANE_COUNT; block++) {
-		struct packed_side side[BLOCK_PARTS];
-		EACH_PART
-		{
-			const int row = block * LANE_COUNT + part * VECTOR_WIDTH;
-			struct packed_side *i = &side[part];
-			i->x = coord_as_record(at->sx + row), i->y = coord_as_record(at->sy + row);
-			i->r = vec_load(at->r + row), i->w = vec_load(at->w + row);
-			i->vx = vec_load(at->vx + row), i->vy = vec_load(at->vy + row);
-			i->radius = i->r * contact.scale;
-			i->fx = i->fy = i->torque = vec_set(0);
+	for (int together = 0; together < blocks; together += BLOCKS_TOGETHER) {
+		const int end = together + BLOCKS_TOGETHER < blocks ? together + BLOCKS_TOGETHER : blocks;
+		int found = 0, found_of[BLOCKS_TOGETHER + 1] = {0};
+		for (int block = together; block < end; block++) {
+			struct packed_side side[BLOCK_PARTS];
+			EACH_PART packed_side_load(at, &contact, &side[part], block * LANE_COUNT + part * VECTOR_WIDTH);
+			for (int level = first[block]; level < first[block + 1]; level++)
+				EACH_PART
+				{
+					const int p = level * LANE_COUNT + part * VECTOR_WIDTH;
+					slot[found] = (index16)p;
+					found += packed_reach(pairs, &contact, &side[part], p, &near[found], bonds);
+				}
+			found_of[block - together + 1] = found;
 		}
-		for (int level = at->first[block]; level < at->first[block + 1]; level++)
-			EACH_PART packed_pairs(at, &contact, &side[part], level * LANE_COUNT + part * VECTOR_WIDTH, &sum, part,
-								   last, bonds, grows);
-		EACH_PART
-		{
-			const int row = block * LANE_COUNT + part * VECTOR_WIDTH;
-			vec_store(at->own + row, side[part].fx);
-			vec_store(at->own + stride + row, side[part].fy);
-			vec_store(at->own + 2 * stride + row, side[part].torque);
+		for (int block = together; block < end; block++) {
+			struct packed_side side[BLOCK_PARTS];
+			EACH_PART packed_side_load(at, &contact, &side[part], block * LANE_COUNT + part * VECTOR_WIDTH);
+			for (int k = found_of[block - together]; k < found_of[block - together + 1]; k++) {
+				const int part = slot[k] % LANE_COUNT / VECTOR_WIDTH;
+				packed_pairs(pairs, &contact, &side[part], slot[k], &near[k], &sum, part, last, bonds, grows);
+			}
+			EACH_PART
+			{
+				const int row = block * LANE_COUNT + part * VECTOR_WIDTH;
+				vec_store(at->own + row, side[part].fx);
+				vec_store(at->own + stride + row, side[part].fy);
+				vec_store(at->own + 2 * stride + row, side[part].torque);
+			}
 		}
+		for (int k = 0; k < found; k++)
+			packed_react(pairs, slot[k], &near[k]);
 	}
 #pragma GCC unroll 32
 	for (int field = 0; field < fields && field < LANE_VXX; field++)

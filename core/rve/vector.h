@@ -45,7 +45,8 @@ enum {
 	LANE_COUNT = 64 / sizeof(num),
 	VECTOR_WIDTH = VECTOR_BYTES / sizeof(num),
 	BLOCK_PARTS = 64 / VECTOR_BYTES,
-	RECORD = VECTOR_PICK(6, 8) /* numbers in the record of a disc: x y, r w, vx vy */
+	RECORD = 4,                    /* numbers in the record of a disc: x, y, r, w; and in that of its forces: x, y, torque */
+	VELOCITY = VECTOR_PICK(2, 4)   /* in that of its velocity: x, y; 16 bytes */
 };
 
 typedef num vec __attribute__((vector_size(VECTOR_BYTES), may_alias));
@@ -93,7 +94,8 @@ VECFN mask mask_different(vec a, vec b)
 {
 	return VECTOR_PICK(_mm512_cmp_pd_mask, _mm512_cmp_ps_mask)(a, b, _CMP_NEQ_UQ);
 }
-VECFN int mask_any(mask m) { return m != 0; }
+VECFN int mask_any(mask m) { return !VECTOR_PICK(_kortestz_mask8_u8, _kortestz_mask16_u8)(m, m); }
+VECFN mask mask_or(mask a, mask b) { return VECTOR_PICK(_kor_mask8, _kor_mask16)(a, b); }
 VECFN vec vec_select(mask m, vec a, vec b)
 {
 	return (vec)VECTOR_PICK(_mm512_mask_blend_pd, _mm512_mask_blend_ps)(m, b, a);
@@ -110,6 +112,7 @@ VECFN mask mask_flags(const unsigned char *p, unsigned char value)
 #else
 VECFN vec vec_select(mask m, vec a, vec b) { return (vec)(((ivec)a & m) | ((ivec)b & ~m)); }
 VECFN vec vec_where(mask m, vec a) { return (vec)((ivec)a & m); }
+VECFN mask mask_or(mask a, mask b) { return a | b; }
 VECFN mask mask_above(vec a, vec b) { return (mask)(a > b); }
 VECFN mask mask_different(vec a, vec b) { return (mask)(a != b); }
 VECFN mask mask_flags(const unsigned char *p, unsigned char value)
@@ -150,6 +153,50 @@ VECFN int mask_any(mask m)
 }
 #endif
 #endif
+
+/* Appends to `to` the numbers at `from` whose lanes are in `in`, with `mark` set where they are in `marked` too; how many.
+ * Writes up to VECTOR_WIDTH numbers. */
+VECFN int ints_pick(int *to, const int *from, mask in, mask marked, int mark)
+{
+#if defined(VECTOR_512) && defined(RVE_FLOAT)
+	__m512i x = _mm512_loadu_si512(from);
+	x = _mm512_mask_or_epi32(x, marked, x, _mm512_set1_epi32(mark));
+	_mm512_storeu_si512(to, _mm512_maskz_compress_epi32(in, x));
+	return __builtin_popcount(in);
+#elif defined(VECTOR_512)
+	__m256i x = _mm256_loadu_si256((const __m256i *)from);
+	x = _mm256_mask_or_epi32(x, marked, x, _mm256_set1_epi32(mark));
+	_mm256_storeu_si256((__m256i *)to, _mm256_maskz_compress_epi32(in, x));
+	return __builtin_popcount(in);
+#else
+	int count = 0;
+	for (int k = 0; k < VECTOR_WIDTH; k++) {
+		to[count] = from[k] | (marked[k] ? mark : 0);
+		count -= (int)in[k];
+	}
+	return count;
+#endif
+}
+
+/* The first n lanes. */
+VECFN mask mask_first(int n)
+{
+#ifdef VECTOR_512
+	return n >= VECTOR_WIDTH ? (mask)-1 : (mask)((1u << n) - 1u);
+#else
+	mask m;
+	for (int k = 0; k < VECTOR_WIDTH; k++)
+		m[k] = k < n ? -1 : 0;
+	return m;
+#endif
+}
+
+VECFN vec vec_loadu(const num *p)
+{
+	vec x;
+	memcpy(&x, p, sizeof x);
+	return x;
+}
 
 VECFN vec vec_size(vec a) { return vec_max(a, -a); }
 
@@ -358,38 +405,45 @@ VECFN void vec_add3(num *const p[VECTOR_WIDTH], vec x, vec y, vec t)
 #endif
 }
 
-/* Writes the records p[0 .. VECTOR_WIDTH - 1]. */
-VECFN void vec_put6(num *record, vec a, vec b, vec c, vec d, vec e, vec f)
+/* Writes the first four numbers, or the first two, of VECTOR_WIDTH records side by side. */
+VECFN void vec_put4(num *record, vec a, vec b, vec c, vec d)
 {
 #if !defined(RVE_FLOAT) && defined(VECTOR_512)
-#define PUT(n, k, v, part) _mm_store_pd(record + RECORD * (n) + (k), _mm512_extractf64x2_pd(v, part))
-#define PUT_COUPLE(k, u, v)                                                                                            \
-	do {                                                                                                               \
-		__m512d even = _mm512_unpacklo_pd(u, v), odd = _mm512_unpackhi_pd(u, v);                                       \
-		PUT(0, k, even, 0);                                                                                            \
-		PUT(1, k, odd, 0);                                                                                             \
-		PUT(2, k, even, 1);                                                                                            \
-		PUT(3, k, odd, 1);                                                                                             \
-		PUT(4, k, even, 2);                                                                                            \
-		PUT(5, k, odd, 2);                                                                                             \
-		PUT(6, k, even, 3);                                                                                            \
-		PUT(7, k, odd, 3);                                                                                             \
-	} while (0)
-	PUT_COUPLE(0, a, b);
-	PUT_COUPLE(2, c, d);
-	PUT_COUPLE(4, e, f);
-#undef PUT
-#undef PUT_COUPLE
-#elif defined(RVE_FLOAT) && defined(VECTOR_512)
+	const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11),
+				  second = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+	__m512d ab0 = _mm512_unpacklo_pd(a, b), ab1 = _mm512_unpackhi_pd(a, b);
+	__m512d cd0 = _mm512_unpacklo_pd(c, d), cd1 = _mm512_unpackhi_pd(c, d);
+	__m512d even0 = _mm512_permutex2var_pd(ab0, first, cd0), odd0 = _mm512_permutex2var_pd(ab1, first, cd1);
+	__m512d even1 = _mm512_permutex2var_pd(ab0, second, cd0), odd1 = _mm512_permutex2var_pd(ab1, second, cd1);
+	_mm256_store_pd(record, _mm512_castpd512_pd256(even0));
+	_mm256_store_pd(record + 4, _mm512_castpd512_pd256(odd0));
+	_mm256_store_pd(record + 8, _mm512_extractf64x4_pd(even0, 1));
+	_mm256_store_pd(record + 12, _mm512_extractf64x4_pd(odd0, 1));
+	_mm256_store_pd(record + 16, _mm512_castpd512_pd256(even1));
+	_mm256_store_pd(record + 20, _mm512_castpd512_pd256(odd1));
+	_mm256_store_pd(record + 24, _mm512_extractf64x4_pd(even1, 1));
+	_mm256_store_pd(record + 28, _mm512_extractf64x4_pd(odd1, 1));
+#elif !defined(RVE_FLOAT) && defined(VECTOR_256)
+	__m256d ab0 = _mm256_unpacklo_pd(a, b), ab1 = _mm256_unpackhi_pd(a, b);
+	__m256d cd0 = _mm256_unpacklo_pd(c, d), cd1 = _mm256_unpackhi_pd(c, d);
+	_mm256_store_pd(record, _mm256_permute2f128_pd(ab0, cd0, 0x20));
+	_mm256_store_pd(record + 4, _mm256_permute2f128_pd(ab1, cd1, 0x20));
+	_mm256_store_pd(record + 8, _mm256_permute2f128_pd(ab0, cd0, 0x31));
+	_mm256_store_pd(record + 12, _mm256_permute2f128_pd(ab1, cd1, 0x31));
+#elif defined(RVE_FLOAT) && (defined(VECTOR_512) || defined(VECTOR_256))
+#ifdef VECTOR_512
 	__m512d ab0 = (__m512d)_mm512_unpacklo_ps(a, b), ab1 = (__m512d)_mm512_unpackhi_ps(a, b);
 	__m512d cd0 = (__m512d)_mm512_unpacklo_ps(c, d), cd1 = (__m512d)_mm512_unpackhi_ps(c, d);
-	__m512d ef0 = (__m512d)_mm512_unpacklo_ps(e, f), ef1 = (__m512d)_mm512_unpackhi_ps(e, f);
 	__m512d abcd[4] = {_mm512_unpacklo_pd(ab0, cd0), _mm512_unpackhi_pd(ab0, cd0), _mm512_unpacklo_pd(ab1, cd1),
 					   _mm512_unpackhi_pd(ab1, cd1)};
-	__m512d ef[4] = {ef0, _mm512_unpackhi_pd(ef0, ef0), ef1, _mm512_unpackhi_pd(ef1, ef1)};
-#define PUT(n, part)                                                                                                   \
-	_mm_store_ps(record + RECORD * ((n) + 4 * (part)), _mm512_extractf32x4_ps((__m512)abcd[n], part));                 \
-	_mm_store_ps(record + RECORD * ((n) + 4 * (part)) + 4, _mm512_extractf32x4_ps((__m512)ef[n], part))
+#define PUT(n, part) _mm_store_ps(record + RECORD * ((n) + 4 * (part)), _mm512_extractf32x4_ps((__m512)abcd[n], part))
+#else
+	__m256d ab0 = (__m256d)_mm256_unpacklo_ps(a, b), ab1 = (__m256d)_mm256_unpackhi_ps(a, b);
+	__m256d cd0 = (__m256d)_mm256_unpacklo_ps(c, d), cd1 = (__m256d)_mm256_unpackhi_ps(c, d);
+	__m256d abcd[4] = {_mm256_unpacklo_pd(ab0, cd0), _mm256_unpackhi_pd(ab0, cd0), _mm256_unpacklo_pd(ab1, cd1),
+					   _mm256_unpackhi_pd(ab1, cd1)};
+#define PUT(n, part) _mm_store_ps(record + RECORD * ((n) + 4 * (part)), _mm256_extractf128_ps((__m256)abcd[n], part))
+#endif
 #define PUT4(part)                                                                                                     \
 	PUT(0, part);                                                                                                      \
 	PUT(1, part);                                                                                                      \
@@ -397,15 +451,36 @@ VECFN void vec_put6(num *record, vec a, vec b, vec c, vec d, vec e, vec f)
 	PUT(3, part)
 	PUT4(0);
 	PUT4(1);
+#ifdef VECTOR_512
 	PUT4(2);
 	PUT4(3);
+#endif
 #undef PUT
 #undef PUT4
 #else
 	for (int k = 0; k < VECTOR_WIDTH; k++) {
 		num *p = record + RECORD * k;
-		p[0] = a[k], p[1] = b[k], p[2] = c[k], p[3] = d[k], p[4] = e[k], p[5] = f[k];
+		p[0] = a[k], p[1] = b[k], p[2] = c[k], p[3] = d[k];
 	}
+#endif
+}
+
+VECFN void vec_put2(num *velocity, vec a, vec b)
+{
+#ifdef RVE_FLOAT
+	vec_put4(velocity, a, b, vec_set(0), vec_set(0));
+#elif defined(VECTOR_512)
+	const __m512i first = _mm512_setr_epi64(0, 8, 1, 9, 2, 10, 3, 11),
+				  second = _mm512_setr_epi64(4, 12, 5, 13, 6, 14, 7, 15);
+	_mm512_store_pd(velocity, _mm512_permutex2var_pd(a, first, b));
+	_mm512_store_pd(velocity + 8, _mm512_permutex2var_pd(a, second, b));
+#elif defined(VECTOR_256)
+	__m256d even = _mm256_unpacklo_pd(a, b), odd = _mm256_unpackhi_pd(a, b);
+	_mm256_store_pd(velocity, _mm256_permute2f128_pd(even, odd, 0x20));
+	_mm256_store_pd(velocity + 4, _mm256_permute2f128_pd(even, odd, 0x31));
+#else
+	for (int k = 0; k < VECTOR_WIDTH; k++)
+		velocity[VELOCITY * k] = a[k], velocity[VELOCITY * k + 1] = b[k];
 #endif
 }
 
