@@ -10,10 +10,7 @@ struct packed_rim {
 	int *row;
 };
 
-#ifndef PW
-#define PW 400
-#endif
-enum { PACKED_TOUCHES = 1 << 16, PACKED_WINDOW = PW };
+enum { PACKED_TOUCHES = 1 << 16 };
 
 struct packed_search {
 	struct packed_rim rim;
@@ -240,18 +237,15 @@ static inline int packed_order(const struct packed_place *at, struct packed_sear
 	const int n = at->layout->n, stride = at->layout->stride, levels = at->layout->levels + 1, keys = levels * levels;
 	int *start = s->keys;
 #define KEY(i) ((by_all ? 0 : levels - 1 - s->touch[i]) * levels + levels - 1 - s->own[i])
-	for (int begin = 0; begin < n; begin += PACKED_WINDOW) {
-		const int end = begin + PACKED_WINDOW < n ? begin + PACKED_WINDOW : n;
-		memset(start, 0, sizeof(int) * (size_t)(keys + 1));
-		for (int k = begin; k < end; k++)
-			start[KEY(s->sorted[k]) + 1]++;
-		for (int k = 0; k < keys; k++)
-			start[k + 1] += start[k];
-		for (int k = begin; k < end; k++) {
-			const int i = s->sorted[k], row = begin + start[KEY(i)]++;
-			s->order[row] = i;
-			s->place[i] = row;
-		}
+	memset(start, 0, sizeof(int) * (size_t)(keys + 1));
+	for (int i = 0; i < n; i++)
+		start[KEY(i) + 1]++;
+	for (int k = 0; k < keys; k++)
+		start[k + 1] += start[k];
+	for (int k = 0; k < n; k++) { /* cell by cell: neighbours are near in memory */
+		const int i = s->sorted[k], row = start[KEY(i)]++;
+		s->order[row] = i;
+		s->place[i] = row;
 	}
 #undef KEY
 	int sum = 0;

@@ -273,7 +273,7 @@ struct packed_side {
 /* A vector of pairs that touch, or did before, on its way: branch and what there is of the other discs, then what goes to
  * these. */
 struct packed_near {
-	vec bx, by, length, inverse, r, w;
+	vec bx, by, square, r, w;
 	vec fx, fy, torque;
 };
 
@@ -292,9 +292,10 @@ VECFN int packed_reach(const struct packed_pointers at, const struct packed_cont
 	near->bx = c->hxx * ax + c->hxy * ay;
 	near->by = c->hyx * ax + c->hyy * ay;
 	/* the ghost may coincide */
-	near->length = vec_sqrt(vec_max(near->bx * near->bx + near->by * near->by, vec_set(VECTOR_PICK(1e-60, 1e-30F))));
-	near->inverse = vec_set(1) / near->length;
-	const mask touches = mask_above((i->radius + near->r * c->scale) - near->length, zero);
+	near->square = vec_max(near->bx * near->bx + near->by * near->by, vec_set(VECTOR_PICK(1e-60, 1e-30F)));
+	/* without the root, which takes long; a little more than those that touch */
+	const vec touching = (i->radius + near->r * c->scale) * vec_set(VECTOR_PICK(1.0 + 1e-14, 1.0F + 1e-6F));
+	const mask touches = mask_above(touching * vec_max(touching, zero), near->square);
 	const mask touched = mask_or(mask_different(vec_load(at.ft + p), zero), mask_different(vec_load32(at.fd + p), zero));
 	const mask works = mask_or(touches, touched);
 	return mask_any(bonds ? mask_or(works, mask_flags(at.flag + p, BOND_INTACT)) : works);
@@ -311,7 +312,9 @@ VECFN void packed_pairs(const struct packed_pointers at, const struct packed_con
 	const num *from[VECTOR_WIDTH];
 	for (int k = 0; k < VECTOR_WIDTH; k++)
 		from[k] = packed_velocity(at.velocity, at.offset[p + k]);
-	const vec bx = near->bx, by = near->by, length = near->length, rj = near->r, wj = near->w;
+	const vec bx = near->bx, by = near->by, rj = near->r, wj = near->w;
+	/* root and quotient at the same time */
+	const vec length = vec_sqrt(near->square), inverse = length * (one / near->square);
 	const vec radii = i->r + rj, radius = rj * c->scale;
 	const vec overlap = (i->radius + radius) - length;
 	const mask touches = mask_above(overlap, zero);
@@ -321,7 +324,7 @@ VECFN void packed_pairs(const struct packed_pointers at, const struct packed_con
 	const vec ft_old = vec_load(at.ft + p), fd_old = vec_load32(at.fd + p);
 	vec vxj, vyj;
 	vec_fetch2(from, 0, &vxj, &vyj);
-	const vec inverse = near->inverse, nx = bx * inverse, ny = by * inverse, middle = half * overlap;
+	const vec nx = bx * inverse, ny = by * inverse, middle = half * overlap;
 	/* relative displacement in this sub-step: fluctuations and stretching, without the rotation */
 	const vec ex = c->dxx * bx + c->dxy * by, ey = c->dxy * bx + c->dyy * by;
 	const vec ai = i->radius - middle, aj = radius - middle;
@@ -419,18 +422,12 @@ VECFN void packed_side_load(const struct packed_place *at, const struct packed_c
 	i->fx = i->fy = i->torque = vec_set(0);
 }
 
-/* Blocks whose distances are found together: long enough chains of independent work, and short enough for the first
- * level of cache. */
-enum { BLOCKS_TOGETHER = 4 };
-
 /* Forces and torques of all discs. */
 VECFN void packed_contacts_of_kind(struct packed_place *at, const int last, const int bonds, const int grows)
 {
 	const int stride = at->layout->stride, blocks = stride / LANE_COUNT;
 	const int fields = last ? LANE_OVERLAP + 1 : LANE_KINETIC_WORK;
 	const struct packed_contact contact = packed_contact_of(at);
-	struct packed_near near[BLOCKS_TOGETHER * RVE_LEVELS_MAX * BLOCK_PARTS];
-	index16 slot[BLOCKS_TOGETHER * RVE_LEVELS_MAX * BLOCK_PARTS + 1];
 	const struct packed_pointers pairs = {.record = at->record,
 										  .velocity = at->velocity,
 										  .offset = at->offset,
@@ -444,38 +441,26 @@ VECFN void packed_contacts_of_kind(struct packed_place *at, const int last, cons
 #pragma GCC unroll 32
 	for (int field = 0; field < fields; field++)
 		EACH_PART sum.of[field][part] = vec_set(0);
-	for (int together = 0; together < blocks; together += BLOCKS_TOGETHER) {
-		const int end = together + BLOCKS_TOGETHER < blocks ? together + BLOCKS_TOGETHER : blocks;
-		int found = 0, found_of[BLOCKS_TOGETHER + 1] = {0};
-		for (int block = together; block < end; block++) {
-			struct packed_side side[BLOCK_PARTS];
-			EACH_PART packed_side_load(at, &contact, &side[part], block * LANE_COUNT + part * VECTOR_WIDTH);
-			for (int level = first[block]; level < first[block + 1]; level++)
-				EACH_PART
-				{
-					const int p = level * LANE_COUNT + part * VECTOR_WIDTH;
-					slot[found] = (index16)p;
-					found += packed_reach(pairs, &contact, &side[part], p, &near[found], bonds);
-				}
-			found_of[block - together + 1] = found;
-		}
-		for (int block = together; block < end; block++) {
-			struct packed_side side[BLOCK_PARTS];
-			EACH_PART packed_side_load(at, &contact, &side[part], block * LANE_COUNT + part * VECTOR_WIDTH);
-			for (int k = found_of[block - together]; k < found_of[block - together + 1]; k++) {
-				const int part = slot[k] % LANE_COUNT / VECTOR_WIDTH;
-				packed_pairs(pairs, &contact, &side[part], slot[k], &near[k], &sum, part, last, bonds, grows);
-			}
+	for (int block = 0; block < blocks; block++) {
+		struct packed_side side[BLOCK_PARTS];
+		EACH_PART packed_side_load(at, &contact, &side[part], block * LANE_COUNT + part * VECTOR_WIDTH);
+		for (int level = first[block]; level < first[block + 1]; level++)
 			EACH_PART
 			{
-				const int row = block * LANE_COUNT + part * VECTOR_WIDTH;
-				vec_store(at->own + row, side[part].fx);
-				vec_store(at->own + stride + row, side[part].fy);
-				vec_store(at->own + 2 * stride + row, side[part].torque);
+				const int p = level * LANE_COUNT + part * VECTOR_WIDTH;
+				struct packed_near near;
+				if (packed_reach(pairs, &contact, &side[part], p, &near, bonds)) {
+					packed_pairs(pairs, &contact, &side[part], p, &near, &sum, part, last, bonds, grows);
+					packed_react(pairs, p, &near);
+				}
 			}
+		EACH_PART
+		{
+			const int row = block * LANE_COUNT + part * VECTOR_WIDTH;
+			vec_store(at->own + row, side[part].fx);
+			vec_store(at->own + stride + row, side[part].fy);
+			vec_store(at->own + 2 * stride + row, side[part].torque);
 		}
-		for (int k = 0; k < found; k++)
-			packed_react(pairs, slot[k], &near[k]);
 	}
 #pragma GCC unroll 32
 	for (int field = 0; field < fields && field < LANE_VXX; field++)

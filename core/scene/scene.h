@@ -102,9 +102,12 @@ struct scene_bonds {
 	double reference; /* K; at and below it the strength of linear softening is whole; default 0 C */
 };
 
+enum scene_rve_path { SCENE_RVE_AUTO, SCENE_RVE_SERIAL, SCENE_RVE_SIMD, SCENE_RVE_SINGLE };
+
 struct scene_law_rve {
 	struct scene_packing packing;
 	struct scene_bonds bonds;
+	enum scene_rve_path path; /* auto */
 	double kn, ks;          /* N/m; 1e6 each */
 	double mu;              /* 0.5 */
 	double damping_ratio;   /* zeta; 0.2 */
