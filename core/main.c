@@ -9,26 +9,36 @@
 #include "exact/exact.h"
 #include "io/h5.h"
 #include "run/bench.h"
+#include "run/live.h"
+#include "run/look_cli.h"
 #include "run/run.h"
+#include "run/steer_cli.h"
 #include "rve/cli.h"
 #include "study/study.h"
 #include "version.h"
 
-enum { SETS_MOST = 256 };
+enum { SETS_MOST = 256, PIPELINES_MOST = 32 };
 
 static const char help[] =
 	"tmdempm " TMDEMPM_VERSION ": material points with a discrete RVE behind each\n"
 	"\n"
 	"  tmdempm run SCENE.cfg [--out DIR] [--force] [--set path=value]... [--threads N] [--device cpu]\n"
 	"                        [--restart FILE [--allow-path-change]] [--until T] [--quiet]\n"
+	"                        [--live [PORT|HOST:PORT]] [--pipeline FILE.py]... [--steering FILE.csv] [--paused]\n"
 	"      runs a scene; its output goes to DIR (default: SCENE.out here); a DIR that is not empty is refused,\n"
-	"      --force moves it aside; --restart continues a checkpoint in its own folder, bit for bit\n"
+	"      --force moves it aside; --restart continues a checkpoint in its own folder, bit for bit;\n"
+	"      --live shows the run to a ParaView that listens (default 127.0.0.1:22222), which may come and go;\n"
+	"      --pipeline runs a script of ParaView Catalyst, whose files go to DIR/catalyst;\n"
+	"      --steering repeats what steered another run (its steering.csv); --paused waits for `steer` before the first step\n"
+	"  tmdempm steer DIR [COMMAND... | -]\n"
+	"      steers the run that works in DIR: pause, step, save, stop, inspect, pictures; alone it says how the run stands\n"
+	"      (tmdempm steer --help)\n"
 	"  tmdempm check SCENE.cfg [--set path=value]... [--threads N]\n"
 	"      validates a scene and says what its run will be; writes nothing\n"
 	"  tmdempm info [--json]\n"
 	"      what is built in, what is missing and how to get it\n"
-	"  tmdempm rve pack|load|info ...\n"
-	"      makes packings, loads one RVE alone (tmdempm rve --help)\n"
+	"  tmdempm rve pack|load|info|show|extract ...\n"
+	"      makes packings, loads one RVE alone; looks into the RVEs of a run, takes one out (tmdempm rve --help)\n"
 	"  tmdempm exact [NAME [--set parameter=value]... --at x,y --times a,b,c|from:to:n]\n"
 	"      exact solutions: what there is, or values as CSV\n"
 	"  tmdempm study FILE.cfg... [--out DIR] [--jobs N] [--set path=value]... [--fresh] [--no-charts] [--list]\n"
@@ -97,6 +107,26 @@ static int parse_set(const char **sets, int *n, const char *text)
 	return STATUS_OK;
 }
 
+/* The argument of --live is optional: the next word is it if it reads like one. */
+static const char *take_address(int argc, char **argv)
+{
+	char host[SCENE_NAME];
+	int port;
+	if (optarg)
+		return optarg;
+	if (optind < argc && live_address(argv[optind], host, &port) == STATUS_OK)
+		return argv[optind++];
+	return "";
+}
+
+static int parse_pipeline(const char **pipelines, int *n, const char *text)
+{
+	if (*n == PIPELINES_MOST)
+		return usage("%s", "too many --pipeline options");
+	pipelines[(*n)++] = text;
+	return STATUS_OK;
+}
+
 static int parse_device(const char *text)
 {
 	if (!strcmp(text, "cpu"))
@@ -130,9 +160,13 @@ static int command_run(int argc, char **argv)
 												 {"quiet", no_argument, NULL, 'q'},
 												 {"help", no_argument, NULL, 'h'},
 												 {"allow-path-change", no_argument, NULL, 'p'},
+												 {"steering", required_argument, NULL, 'g'},
+												 {"paused", no_argument, NULL, 'w'},
+												 {"live", optional_argument, NULL, 'l'},
+												 {"pipeline", required_argument, NULL, 'y'},
 												 {NULL, 0, NULL, 0}};
-	const char *sets[SETS_MOST];
-	struct run_options options = {.sets = sets, .until = NAN, .device = "cpu"};
+	const char *sets[SETS_MOST], *pipelines[PIPELINES_MOST];
+	struct run_options options = {.sets = sets, .pipelines = pipelines, .until = NAN, .device = "cpu"};
 	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
 		switch (c) {
 		case 'o':
@@ -161,6 +195,18 @@ static int command_run(int argc, char **argv)
 			break;
 		case 'p':
 			options.allow_path_change = true;
+			break;
+		case 'l':
+			options.live = take_address(argc, argv);
+			break;
+		case 'y':
+			CHECK(parse_pipeline(pipelines, &options.n_pipelines, optarg));
+			break;
+		case 'g':
+			options.steering = optarg;
+			break;
+		case 'w':
+			options.paused = true;
 			break;
 		case 'h':
 			fputs(help, stdout);
@@ -291,17 +337,20 @@ int main(int argc, char **argv)
 		const char *name;
 		int (*command)(int argc, char **argv);
 	} commands[] = {{"run", command_run},     {"check", command_check}, {"info", command_info},
-					{"bench", command_bench}, {"study", command_study}, {"exact", cli_exact}};
+					{"bench", command_bench}, {"study", command_study}, {"exact", cli_exact},
+					{"steer", cli_steer}};
 	h5_start();
 	const char *name = argc > 1 ? argv[1] : "";
 	if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help"))
 		return fputs(help, stdout), STATUS_OK;
 	if (!strcmp(name, "--version"))
 		return printf("tmdempm %s\n", TMDEMPM_VERSION), STATUS_OK;
+	if (!strcmp(name, "rve") && argc > 2 && cli_look_has(argv[2]))
+		return cli_look(argc - 2, argv + 2);
 	if (!strcmp(name, "rve"))
 		return cli_rve(argc - 1, argv + 1);
-	int status = *name ? usage("`%s` is no command: expected run, check, info, rve, exact, study or bench", name)
-					   : usage("%s", "which command? expected run, check, info, rve, exact, study or bench");
+	int status = *name ? usage("`%s` is no command: expected run, steer, check, info, rve, exact, study or bench", name)
+					   : usage("%s", "which command? expected run, steer, check, info, rve, exact, study or bench");
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
 		if (!strcmp(name, commands[i].name))
 			status = commands[i].command(argc - 1, argv + 1);

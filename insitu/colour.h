@@ -23,6 +23,7 @@ constexpr rgb sliding = {0.90, 0.33, 0.05};
 constexpr rgb bond = {1.00, 1.00, 1.00};
 constexpr rgb broken = {0.93, 0.25, 0.75};
 constexpr rgb cell = {0.85, 0.00, 0.35};
+constexpr rgb fabric = {0.00, 0.50, 0.45};
 } // namespace ink
 
 // A map of `name` (viridis, inferno, coolwarm); nullptr if there is none of that name.

@@ -15,16 +15,35 @@ namespace
 {
 bool terminated(const char *text, size_t size) { return memchr(text, '\0', size) != nullptr; }
 
+// An array that can tell whether others use its values: VTK's arrays share them without sharing the array.
+template <class array_type> class lent_array : public array_type
+{
+  public:
+	static vtkSmartPointer<lent_array> make()
+	{
+		auto *array = new lent_array;
+		array->InitializeObjectBase();
+		return vtkSmartPointer<lent_array>::Take(array);
+	}
+	bool shared() { return this->GetReferenceCount() > 1 || this->Buffer->GetReferenceCount() > 1; }
+};
+
 template <class array_type, class value_type>
 vtkSmartPointer<vtkDataArray> wrap(const frame_array &array, const void *data)
 {
-	auto wrapped = vtkSmartPointer<array_type>::New();
+	auto wrapped = lent_array<array_type>::make();
 	wrapped->SetName(array.name);
 	wrapped->SetNumberOfComponents(array.components);
 	// 1: VTK never frees or writes it.
 	wrapped->SetArray(const_cast<value_type *>(static_cast<const value_type *>(data)), array.count * array.components,
 					  1);
 	return wrapped;
+}
+
+template <class array_type> bool values_shared(vtkDataArray *array)
+{
+	auto *lent = dynamic_cast<lent_array<array_type> *>(array);
+	return lent && lent->shared();
 }
 
 // Cells of `size` consecutive points each.
@@ -78,21 +97,31 @@ bool frame_view::open(const void *start, int64_t bytes, std::string &error)
 vtkSmartPointer<vtkDataArray> frame_view::array(int channel, const std::string &name) const
 {
 	const frame_array *found = find_array(channel, name);
-	if (!found)
-		return nullptr;
-	const void *data = frame_data(memory, found);
-	switch (found->type) {
+	return found ? array(*found) : nullptr;
+}
+
+vtkSmartPointer<vtkDataArray> frame_view::array(const frame_array &array) const
+{
+	const void *data = frame_data(memory, &array);
+	switch (array.type) {
 	case FRAME_F64:
-		return wrap<vtkDoubleArray, double>(*found, data);
+		return wrap<vtkDoubleArray, double>(array, data);
 	case FRAME_F32:
-		return wrap<vtkFloatArray, float>(*found, data);
+		return wrap<vtkFloatArray, float>(array, data);
 	case FRAME_I32:
-		return wrap<vtkIntArray, int>(*found, data);
+		return wrap<vtkIntArray, int>(array, data);
 	case FRAME_I64:
-		return wrap<vtkLongLongArray, long long>(*found, data);
+		return wrap<vtkLongLongArray, long long>(array, data);
 	default:
-		return wrap<vtkUnsignedCharArray, unsigned char>(*found, data);
+		return wrap<vtkUnsignedCharArray, unsigned char>(array, data);
 	}
+}
+
+bool frame_view::shared(vtkDataArray *array)
+{
+	return values_shared<vtkDoubleArray>(array) || values_shared<vtkFloatArray>(array) ||
+		   values_shared<vtkIntArray>(array) || values_shared<vtkLongLongArray>(array) ||
+		   values_shared<vtkUnsignedCharArray>(array);
 }
 
 double frame_view::value(const frame_array &array, int64_t k, int c) const
@@ -113,10 +142,9 @@ double frame_view::value(const frame_array &array, int64_t k, int c) const
 	}
 }
 
-vtkSmartPointer<vtkPolyData> frame_view::geometry(int c) const
+vtkSmartPointer<vtkPolyData> frame_view::geometry(int c, vtkDataArray *coordinates) const
 {
 	const frame_channel &channel = this->channel(c);
-	auto coordinates = array(c, "coordinates");
 	static const int cell_size[] = {0, 1, 4, 2};
 	if (!coordinates || coordinates->GetNumberOfComponents() != 3 || channel.kind == FRAME_IMAGE)
 		return nullptr;

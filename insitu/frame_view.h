@@ -25,13 +25,18 @@ class frame_view
 	}
 
 	// An array as VTK sees it (no copy); null if the channel has none of this name.
+	vtkSmartPointer<vtkDataArray> array(const frame_array &array) const;
 	vtkSmartPointer<vtkDataArray> array(int channel, const std::string &name) const;
+
+	// Does anybody but the caller, who holds one reference, refer to such an array or to its values?
+	static bool shared(vtkDataArray *array);
 
 	// Value k of component c, whatever its type.
 	double value(const frame_array &array, int64_t k, int c = 0) const;
 
 	// Points and cells of a channel (not of an image), without data arrays; null if it has no coordinates.
-	vtkSmartPointer<vtkPolyData> geometry(int channel) const;
+	vtkSmartPointer<vtkPolyData> geometry(int channel) const { return geometry(channel, array(channel, "coordinates")); }
+	vtkSmartPointer<vtkPolyData> geometry(int channel, vtkDataArray *coordinates) const;
 
 	// "temperature, stress, ..." for messages.
 	std::string names(int channel) const;

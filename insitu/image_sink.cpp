@@ -59,11 +59,13 @@ class image_sink : public sink
 			return false;
 		window->SetSize(page.width, page.height);
 		window->AddRenderer(page.sheet());
-		window->AddRenderer(page.world());
+		for (const auto &world : page.worlds())
+			window->AddRenderer(world);
 		window->Render();
 		made = write_png(window, path, error);
 		window->RemoveRenderer(page.sheet());
-		window->RemoveRenderer(page.world());
+		for (const auto &world : page.worlds())
+			window->RemoveRenderer(world);
 		return made;
 	}
 

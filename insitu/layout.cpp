@@ -9,7 +9,9 @@ namespace
 {
 constexpr double margin = 22, gap = 20, heading = 40, letters = 19, heading_letters = 22, length_gap = 9; // page units
 
-std::string time_text(double time)
+} // namespace
+
+std::string layout_time(double time)
 {
 	char text[64];
 	if (time == 0 || std::fabs(time) >= 0.01)
@@ -20,7 +22,6 @@ std::string time_text(double time)
 		snprintf(text, sizeof text, "t = %.3f \u00b5s", time * 1e6);
 	return text;
 }
-} // namespace
 
 layout layout_make(page &page, const box &view, const colour_scale &scale, double foot)
 {
@@ -68,10 +69,9 @@ std::string layout_fit(const page &page, std::string text, double size, double w
 	return text + "\u2026";
 }
 
-void layout_heading(page &page, const layout &where, const std::string &title, double time)
+void layout_heading(page &page, const layout &where, const std::string &title, const std::string &clock)
 {
 	double u = page.unit, y = where.group.y1 + 14 * u, x0 = where.group.x0, x1 = where.group.x1;
-	std::string clock = time_text(time);
 	double clock_width = page.text_width(clock, heading_letters), space = 30 * u;
 	if (page.text_width(title, heading_letters) + space + clock_width > x1 - x0) {
 		x0 = margin * u;

@@ -17,8 +17,11 @@ layout layout_make(page &page, const box &view, const colour_scale &scale, doubl
 // The colour bar where the layout has its place.
 void layout_bar(page &page, const layout &where, const colour_scale &scale);
 
-// Title on the left, time on the right, above the group.
-void layout_heading(page &page, const layout &where, const std::string &title, double time);
+// "t = 0.250 s", "t = 3.2 ms".
+std::string layout_time(double time);
+
+// Title on the left, the clock's words on the right, above the group.
+void layout_heading(page &page, const layout &where, const std::string &title, const std::string &clock);
 
 // A bar of a round length in metres, and its words.
 struct length_scale {

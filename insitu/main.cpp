@@ -1,148 +1,164 @@
-// tmdempm-viewer: reads frames from the engine's shared memory and makes pictures of them (core/run/frame.h).
-// The engine starts it; it ends when the engine says so, or ends.
+// tmdempm-viewer: reads frames from the engine's shared memory and makes pictures of them, runs scripts of ParaView
+// Catalyst on them, or shows them to a ParaView that is connected (core/run/frame.h).  The engine starts one process
+// for each of these; it ends when the engine says so, or ends.
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <fcntl.h>
+#include <memory>
+#include <poll.h>
 #include <string>
-#include <sys/mman.h>
-#include <sys/socket.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <vector>
 
+#include "catalyst_module.h"
 #include "display.h"
-#include "frame_view.h"
+#include "engine.h"
 #include "image_sink.h"
+#include "self_test.h"
 
 namespace
 {
-// The engine's memory file, mapped as far as it has grown.
-class memory
+// Pictures: one DRAW, one PNG.
+class picture_task : public task
 {
   public:
-	~memory() { release(); }
-	const void *at(int64_t offset, int64_t bytes)
+	picture_task(std::vector<frame_image> images) : images(std::move(images)), pictures(image_sink_create()) {}
+
+	bool work(const frame_message &request, const frame_view &frame, std::string &error) override
 	{
-		if (offset < 0 || bytes < 0 || offset > INT64_MAX - bytes)
-			return nullptr;
-		if (offset + bytes > size && !map())
-			return nullptr;
-		return offset + bytes <= size ? static_cast<const char *>(start) + offset : nullptr;
+		if (request.image < 0 || size_t(request.image) >= images.size()) {
+			error = "there is no image number " + std::to_string(request.image);
+			return false;
+		}
+		if (!pictures->draw(frame, images[size_t(request.image)], request.text, error)) {
+			error = std::string(request.text) + ": " + error;
+			return false;
+		}
+		engine_send(FRAME_MSG_DONE, request.slot);
+		return true;
 	}
 
   private:
-	bool map()
-	{
-		struct stat file;
-		release();
-		if (fstat(FRAME_FD_MEMORY, &file) < 0 || file.st_size == 0)
-			return false;
-		void *mapped = mmap(nullptr, size_t(file.st_size), PROT_READ, MAP_SHARED, FRAME_FD_MEMORY, 0);
-		if (mapped == MAP_FAILED)
-			return false;
-		start = mapped;
-		size = file.st_size;
-		return true;
-	}
-	void release()
-	{
-		if (start)
-			munmap(start, size_t(size));
-		start = nullptr;
-		size = 0;
-	}
-	void *start = nullptr;
-	int64_t size = 0;
+	std::vector<frame_image> images;
+	std::unique_ptr<sink> pictures;
 };
 
-void send_message(int kind, int slot, const std::string &text = "")
+// The packets that follow the purpose of this process.
+template <class part> bool receive_parts(int n, std::vector<part> &parts)
 {
-	frame_message message = {};
-	message.kind = kind;
-	message.slot = slot;
-	message.image = -1;
-	snprintf(message.text, sizeof message.text, "%s", text.c_str());
-	while (send(FRAME_FD_SOCKET, &message, sizeof message, MSG_NOSIGNAL) < 0 && errno == EINTR)
-		continue;
+	parts.resize(n > 0 ? size_t(n) : 0);
+	for (part &p : parts)
+		if (!engine_receive(&p, sizeof p))
+			return false;
+	return true;
 }
 
-// False: the engine is gone.
-bool receive(void *packet, size_t bytes)
+bool open_display(display &display, std::string &error)
 {
-	ssize_t n;
-	do
-		n = recv(FRAME_FD_SOCKET, packet, bytes, 0);
-	while (n < 0 && errno == EINTR);
-	return n == ssize_t(bytes);
+	std::string log;
+	if (!display.open(log, error))
+		return false;
+	if (!log.empty())
+		fprintf(stderr, "tmdempm-viewer: %s\n", log.c_str());
+	return true;
 }
 
-bool draw(memory &memory, sink &pictures, const std::vector<frame_image> &images, const frame_message &request,
-		  std::string &error)
+// What this process is for, as the engine's first message tells; null with a reason in `error`, which is empty if the
+// engine has gone.
+std::unique_ptr<task> make_task(display &display, std::string &error)
 {
+	frame_message purpose;
+	error.clear();
+	if (!engine_receive(&purpose, sizeof purpose))
+		return nullptr;
+	purpose.text[sizeof purpose.text - 1] = '\0';
+	if (purpose.kind == FRAME_MSG_IMAGES) {
+		std::vector<frame_image> images;
+		if (!receive_parts(purpose.n, images) || !open_display(display, error))
+			return nullptr;
+		return std::make_unique<picture_task>(images);
+	}
+	if (purpose.kind == FRAME_MSG_SCRIPTS) {
+		std::vector<frame_message> parts;
+		std::vector<std::string> scripts;
+		bool draws = false;
+		if (!receive_parts(purpose.n, parts))
+			return nullptr;
+		for (frame_message &part : parts) {
+			part.text[sizeof part.text - 1] = '\0';
+			scripts.push_back(part.text);
+			draws = draws || catalyst_script_draws(part.text);
+		}
+		if (draws && !open_display(display, error))
+			return nullptr;
+		return catalyst_scripts(scripts, purpose.text, error);
+	}
+	if (purpose.kind == FRAME_MSG_LIVE)
+		return catalyst_live(purpose.text, purpose.n, error);
+	error = "a message of another version: engine and viewer are not from the same build";
+	return nullptr;
+}
+
+void answer(engine_memory &memory, task &task, frame_message &request)
+{
+	std::string error = "cannot map the frame";
 	frame_view frame;
-	const void *start = memory.at(request.offset, request.bytes);
-	if (!start) {
-		error = "cannot map the frame";
-		return false;
+	bool made = false;
+	request.text[sizeof request.text - 1] = '\0';
+	const void *start = memory.at(request);
+	try {
+		made = start && frame.open(start, request.bytes, error) && task.work(request, frame, error);
+	} catch (const std::exception &failure) {
+		error = failure.what();
 	}
-	if (request.image < 0 || size_t(request.image) >= images.size()) {
-		error = "there is no image number " + std::to_string(request.image);
-		return false;
-	}
-	return frame.open(start, request.bytes, error) &&
-		   pictures.draw(frame, images[size_t(request.image)], request.text, error);
+	if (!made)
+		engine_send(FRAME_MSG_FAILED, request.slot, error);
 }
 
 // Answers requests until the engine says QUIT or is gone.
-void serve(sink &pictures)
+void serve(engine_memory &memory, task &task)
 {
-	memory memory;
-	std::vector<frame_image> images;
-	frame_message request;
-	while (receive(&request, sizeof request) && request.kind != FRAME_MSG_QUIT) {
-		if (request.kind == FRAME_MSG_IMAGES) {
-			images.resize(request.n > 0 ? size_t(request.n) : 0);
-			for (frame_image &image : images)
-				if (!receive(&image, sizeof image))
-					return;
-			send_message(FRAME_MSG_READY, -1);
-		} else if (request.kind == FRAME_MSG_DRAW) {
-			std::string error;
-			bool made = false;
-			request.text[sizeof request.text - 1] = '\0';
-			try {
-				made = draw(memory, pictures, images, request, error);
-			} catch (const std::exception &failure) {
-				error = failure.what();
-			}
-			if (made)
-				send_message(FRAME_MSG_DONE, request.slot);
-			else
-				send_message(FRAME_MSG_FAILED, request.slot, std::string(request.text) + ": " + error);
-		}
+	for (;;) {
+		pollfd ready[] = {{FRAME_FD_SOCKET, POLLIN, 0}, {task.descriptor(), POLLIN, 0}};
+		int n = poll(ready, 2, task.patience());
+		if (n < 0 && errno != EINTR)
+			return;
+		if (n >= 0 && (n == 0 || ready[1].revents))
+			task.attend();
+		if (n <= 0 || !ready[0].revents)
+			continue;
+		frame_message request;
+		if (!engine_receive(&request, sizeof request) || request.kind == FRAME_MSG_QUIT)
+			return;
+		answer(memory, task, request);
 	}
 }
 } // namespace
 
-int main()
+int main(int argc, char **argv)
 {
+	signal(SIGPIPE, SIG_IGN);
+	if (argc == 3 && !strcmp(argv[1], "--self-test"))
+		return self_test(argv[2]);
 	// Our children must hold neither: the end of the socket is how either side learns of the other's death.
 	if (fcntl(FRAME_FD_SOCKET, F_SETFD, FD_CLOEXEC) < 0 || fcntl(FRAME_FD_MEMORY, F_SETFD, FD_CLOEXEC) < 0) {
 		fprintf(stderr,
-				"tmdempm-viewer is started by tmdempm, which hands it frames; there is nothing to do by hand.\n");
+				"tmdempm-viewer is started by tmdempm, which hands it frames.  By hand: tmdempm-viewer --self-test "
+				"display|catalyst|live\n");
 		return 2;
 	}
 	display display;
-	std::string log, error;
-	if (!display.open(log, error)) {
-		send_message(FRAME_MSG_FAILED, -1, error);
+	engine_memory memory; // outlives the task, whose arrays lie in it
+	std::string error;
+	std::unique_ptr<task> task = make_task(display, error);
+	if (!task) {
+		engine_send(FRAME_MSG_FAILED, -1, error);
 		return 4;
 	}
-	if (!log.empty())
-		fprintf(stderr, "tmdempm-viewer: %s\n", log.c_str());
-	serve(*image_sink_create());
+	engine_send(FRAME_MSG_READY);
+	serve(memory, *task);
 	return 0;
 }

@@ -105,12 +105,10 @@ vtkSmartPointer<vtkPolyData> shapes::data(bool concave) const
 
 page::page(int w, int h)
 	: width(w), height(h), unit(std::min(double(w), 1.25 * h) / 1000),
-	  sheet_renderer(vtkSmartPointer<vtkRenderer>::New()), world_renderer(vtkSmartPointer<vtkRenderer>::New())
+	  sheet_renderer(vtkSmartPointer<vtkRenderer>::New())
 {
 	sheet_renderer->SetBackground(1, 1, 1);
 	sheet_renderer->SetLayer(0);
-	world_renderer->SetLayer(1);
-	world_renderer->InteractiveOff();
 }
 
 // VTK's own letters lack Greek and brackets in Debian's build; these come with Debian's fonts and matplotlib.
@@ -187,6 +185,10 @@ void page::look(const box &view, const box &where)
 {
 	scale = view.width() / where.width();
 	depth = std::max(view.width(), view.height());
+	auto world_renderer = vtkSmartPointer<vtkRenderer>::New();
+	world_renderers.push_back(world_renderer);
+	world_renderer->SetLayer(1);
+	world_renderer->InteractiveOff();
 	world_renderer->SetViewport(where.x0 / width, where.y0 / height, where.x1 / width, where.y1 / height);
 	vtkCamera *camera = world_renderer->GetActiveCamera();
 	double x = 0.5 * (view.x0 + view.x1), y = 0.5 * (view.y0 + view.y1);
@@ -203,7 +205,7 @@ void page::add(vtkActor *actor, int level)
 	actor->SetPosition(0, 0, 0.02 * depth * level);
 	vtkProperty *p = actor->GetProperty();
 	p->LightingOff();
-	world_renderer->AddActor(actor);
+	world_renderers.back()->AddActor(actor);
 }
 
 void page::draw_world(const shapes &what, int level, double line_width, bool concave)

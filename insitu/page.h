@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <vtkActor.h>
 #include <vtkCellArray.h>
@@ -52,7 +53,7 @@ class page
 	const int width, height;
 	const double unit; // pixels of a thousandth of the page: sizes of letters, lines and gaps are given in it
 	vtkRenderer *sheet() const { return sheet_renderer; }
-	vtkRenderer *world() const { return world_renderer; }
+	const std::vector<vtkSmartPointer<vtkRenderer>> &worlds() const { return world_renderers; }
 
 	double text_width(const std::string &text, double size, bool bold = false) const;
 	// (x, y) = the point named by the alignments; `turned`: reads upwards.
@@ -61,7 +62,8 @@ class page
 	// Shapes in pixels; line widths in units.
 	void draw(const shapes &what, double line_width = 1);
 
-	// Shows the part `view` (m) of the world in the window `where` (pixels).
+	// Opens a window `where` (pixels) on the part `view` (m) of a world of its own, to which add() and draw_world() add
+	// from now on.
 	void look(const box &view, const box &where);
 	double metres_per_pixel() const { return scale; }
 	// Adds to the world; higher levels lie in front.
@@ -69,6 +71,7 @@ class page
 	void draw_world(const shapes &what, int level, double line_width = 1, bool concave = false);
 
   private:
-	vtkSmartPointer<vtkRenderer> sheet_renderer, world_renderer;
+	vtkSmartPointer<vtkRenderer> sheet_renderer;
+	std::vector<vtkSmartPointer<vtkRenderer>> world_renderers; // the last is the one that is drawn to
 	double scale = 1, depth = 1;
 };

@@ -168,7 +168,7 @@ bool picture_points(page &page, const frame_view &frame, const frame_image &imag
 	draw_walls(page, frame);
 	layout_frame(page, where);
 	layout_bar(page, where, scale);
-	layout_heading(page, where, frame.header().title, frame.header().time);
+	layout_heading(page, where, frame.header().title, layout_time(frame.header().time));
 	length_scale_draw(page, length_scale_make(page, where), where.window.x0 + 1,
 					  where.group.y0 - 0.5 * foot * page.unit);
 	return true;

@@ -2,165 +2,32 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <numeric>
 
-#include "base/ticks.h"
 #include "layout.h"
+#include "rose.h"
+#include "text.h"
 
 namespace
 {
-enum level { LEVEL_DISCS, LEVEL_RIMS, LEVEL_CASING, LEVEL_CHAINS, LEVEL_BONDS, LEVEL_CELL };
+enum level { LEVEL_DISCS, LEVEL_RIMS, LEVEL_CASING, LEVEL_CHAINS, LEVEL_BONDS, LEVEL_CELL = LEVEL_BONDS + 2 };
 
-constexpr double surroundings_fade = 0.66; // how far the periodic images go towards white
-constexpr double aspect_most = 3;          // of the window; a slender cell is shown in more of its surroundings
-constexpr double letters = 17, swatch = 26, legend_gap = 20; // page units
+constexpr double surroundings_fade = 0.72; // how far the periodic images go towards white
+constexpr double discs_wash = 0.35;        // how far the discs do, so that dark chains stand out on them
 constexpr double pi = 3.14159265358979323846;
 
-// The periodic cell: x = H s, s in [0, 1)^2.
-struct cell {
-	double H[4], inverse[4];
-
-	bool open(const double matrix[4])
-	{
-		double det = matrix[0] * matrix[3] - matrix[1] * matrix[2];
-		std::copy(matrix, matrix + 4, H);
-		if (!(std::fabs(det) > 0) || !std::isfinite(det))
-			return false;
-		double m[4] = {matrix[3] / det, -matrix[1] / det, -matrix[2] / det, matrix[0] / det};
-		std::copy(m, m + 4, inverse);
-		return true;
-	}
-	std::array<double, 2> place(double a, double b) const { return {H[0] * a + H[1] * b, H[2] * a + H[3] * b}; }
-	std::array<double, 2> fraction(double x, double y) const
-	{
-		return {inverse[0] * x + inverse[1] * y, inverse[2] * x + inverse[3] * y};
-	}
-	// The shift that brings (x, y) into the cell.
-	std::array<double, 2> wrap(double x, double y) const
-	{
-		auto s = fraction(x, y);
-		return place(-std::floor(s[0]), -std::floor(s[1]));
-	}
-};
-
-struct disc {
-	double x, y, radius, value;
-};
-
-struct contact {
-	double a[2], b[2];
-	double force; // N, compression positive
-	bool sliding;
-	int bond; // 0 none, 1 intact, 2 broken
-};
-
-struct rve {
-	cell shape;
-	const frame_array *field;
-	std::vector<disc> discs;
-	std::vector<contact> contacts;
-	double mean_radius = 0;
-};
-
-bool read_discs(const frame_view &frame, const frame_image &image, int channel, rve &rve, std::string &error)
-{
-	const frame_array *x = frame.find_array(channel, "coordinates"), *radius = frame.find_array(channel, "radius");
-	rve.field = frame.find_array(channel, image.field);
-	if (!rve.field) {
-		error = "there is no field \"" + std::string(image.field) + "\"; there are " + frame.names(channel);
-		return false;
-	}
-	if (!x || !radius || x->count != radius->count || x->count != rve.field->count || x->count == 0 ||
-		!rve.shape.open(frame.channel(channel).cell_matrix)) {
-		error = "the RVE's frame has no discs, radii or cell";
-		return false;
-	}
-	std::vector<double> values = scale_values(frame, *rve.field, image.component);
-	for (int64_t k = 0; k < x->count; k++) {
-		disc d = {frame.value(*x, k, 0), frame.value(*x, k, 1), frame.value(*radius, k), values[size_t(k)]};
-		auto shift = rve.shape.wrap(d.x, d.y);
-		d.x += shift[0], d.y += shift[1];
-		rve.discs.push_back(d);
-		rve.mean_radius += d.radius / double(x->count);
-	}
-	return true;
-}
-
-// The contacts, each moved so that its middle lies in the cell; the weakest first, so that the chains lie on top.
-// Copies for other viewers (array "image") are left out: all images are made here.
-void read_contacts(const frame_view &frame, int channel, rve &rve)
-{
-	const frame_array *x = channel >= 0 ? frame.find_array(channel, "coordinates") : nullptr;
-	const frame_array *force = channel >= 0 ? frame.find_array(channel, "normal_force") : nullptr;
-	if (!x || !force || x->count != 2 * force->count)
-		return;
-	const frame_array *sliding = frame.find_array(channel, "sliding"), *bond = frame.find_array(channel, "bond");
-	const frame_array *image = frame.find_array(channel, "image");
-	auto flag = [&](const frame_array *array, int64_t k) {
-		return array && k < array->count ? int(frame.value(*array, k)) : 0;
-	};
-	for (int64_t k = 0; k < force->count; k++) {
-		if (flag(image, k) != 0)
-			continue;
-		contact c;
-		for (int d = 0; d < 2; d++) {
-			c.a[d] = frame.value(*x, 2 * k, d);
-			c.b[d] = frame.value(*x, 2 * k + 1, d);
-		}
-		auto shift = rve.shape.wrap(0.5 * (c.a[0] + c.b[0]), 0.5 * (c.a[1] + c.b[1]));
-		for (int d = 0; d < 2; d++)
-			c.a[d] += shift[size_t(d)], c.b[d] += shift[size_t(d)];
-		c.force = frame.value(*force, k);
-		c.sliding = flag(sliding, k) != 0;
-		c.bond = flag(bond, k);
-		if (std::isfinite(c.force))
-			rve.contacts.push_back(c);
-	}
-	std::stable_sort(rve.contacts.begin(), rve.contacts.end(),
-					 [](const contact &a, const contact &b) { return std::fabs(a.force) < std::fabs(b.force); });
-}
-
-// The cell with some of its surroundings, not more slender than aspect_most.
-box view_of(const rve &rve)
-{
-	box b = {0, 0, 0, 0};
-	for (int k = 1; k < 4; k++) {
-		auto p = rve.shape.place(k & 1, k >> 1);
-		b = {std::min(b.x0, p[0]), std::min(b.y0, p[1]), std::max(b.x1, p[0]), std::max(b.y1, p[1])};
-	}
-	double pad = std::max(2.2 * rve.mean_radius, 0.05 * std::max(b.width(), b.height()));
-	b = {b.x0 - pad, b.y0 - pad, b.x1 + pad, b.y1 + pad};
-	double more_x = std::max(0.0, b.height() / aspect_most - b.width()) / 2;
-	double more_y = std::max(0.0, b.width() / aspect_most - b.height()) / 2;
-	return {b.x0 - more_x, b.y0 - more_y, b.x1 + more_x, b.y1 + more_y};
-}
-
-// Calls `visit` with every lattice shift whose copy of the cell can reach into the view; the cell itself comes
-// last, so that it lies on top of its images.
-void for_images(const cell &shape, const box &view, const std::function<void(double, double, bool)> &visit)
-{
-	double low[2] = {0, 0}, high[2] = {0, 0};
-	for (int k = 0; k < 4; k++) {
-		auto s = shape.fraction(k & 1 ? view.x0 : view.x1, k & 2 ? view.y0 : view.y1);
-		for (size_t d = 0; d < 2; d++)
-			low[d] = std::min(low[d], s[d]), high[d] = std::max(high[d], s[d]);
-	}
-	for (double i = std::floor(low[0]) - 1; i <= std::ceil(high[0]); i++)
-		for (double j = std::floor(low[1]) - 1; j <= std::ceil(high[1]); j++) {
-			auto shift = shape.place(i, j);
-			if (i != 0 || j != 0)
-				visit(shift[0], shift[1], false);
-		}
-	visit(0, 0, true);
-}
+// page units
+constexpr double margin = 22, gap = 20, letters = 17, swatch = 26, legend_gap = 20, heading_letters = 22, heading = 40;
+constexpr double bare_below = 0.22; // page.unit below which there is no room for words
+constexpr double column_width = 236, pair_column_width = 216, strip_height = 250;
 
 bool inside(const box &b, double x, double y, double reach)
 {
 	return x > b.x0 - reach && x < b.x1 + reach && y > b.y0 - reach && y < b.y1 + reach;
 }
 
-void draw_discs(page &page, const rve &rve, const colour_scale &scale, const box &view)
+// ---- what lies in the window ----
+
+void draw_discs(page &page, const rve_scene &rve, const colour_scale &scale, const box &view)
 {
 	shapes bodies, rims;
 	double largest = 0;
@@ -168,7 +35,7 @@ void draw_discs(page &page, const rve &rve, const colour_scale &scale, const box
 		largest = std::max(largest, d.radius / page.metres_per_pixel());
 	int sides = int(std::clamp(10 + 1.5 * largest, 12.0, 64.0));
 	std::vector<std::array<double, 2>> circle{size_t(sides)};
-	for_images(rve.shape, view, [&](double dx, double dy, bool own) {
+	rve.shape.for_images(view, [&](double dx, double dy, bool own) {
 		for (const disc &d : rve.discs) {
 			if (!inside(view, d.x + dx, d.y + dy, d.radius))
 				continue;
@@ -179,21 +46,12 @@ void draw_discs(page &page, const rve &rve, const colour_scale &scale, const box
 			rgb colour = scale.colour(d.value), white = {1, 1, 1};
 			double fade = own ? 0 : surroundings_fade;
 			bodies.polygon(p, sides, colour_mix(colour, white, fade));
-			rims.line(p, sides, true, colour_mix(colour_mix(colour, ink::text, 0.6), white, fade));
+			rims.line(p, sides, true, colour_mix(colour_mix(colour, ink::text, 0.55), white, fade));
 		}
 	});
 	page.draw_world(bodies, LEVEL_DISCS);
 	if (largest > 4)
 		page.draw_world(rims, LEVEL_RIMS, 1);
-}
-
-// The force drawn as wide as a band may be: above the bulk, so that single peaks do not thin all others.
-double force_reference(const rve &rve)
-{
-	if (rve.contacts.empty())
-		return 1;
-	double force = std::fabs(rve.contacts[size_t(0.98 * double(rve.contacts.size() - 1))].force);
-	return force > 0 ? force : 1;
 }
 
 struct chains {
@@ -207,31 +65,38 @@ rgb contact_colour(const contact &c)
 	return c.sliding ? ink::sliding : c.force < 0 ? ink::tension : ink::compression;
 }
 
-void draw_contacts(page &page, const rve &rve, const chains &chains, const box &view)
+// Cement across the contact: a light bar with a rim; a broken one is a thin bar.
+void draw_bond(shapes &rims, shapes &bodies, const contact &c, const double middle[2], double size, double pixel,
+			   double fade)
+{
+	double tx = -(c.b[1] - c.a[1]), ty = c.b[0] - c.a[0], l = std::hypot(tx, ty);
+	bool intact = c.bond == 1;
+	double half = (intact ? 0.34 : 0.30) * size, thick = std::max((intact ? 0.17 : 0.11) * size, 1.6 * pixel);
+	double from[2] = {middle[0] - half * tx / l, middle[1] - half * ty / l};
+	double to[2] = {middle[0] + half * tx / l, middle[1] + half * ty / l};
+	if (intact)
+		rims.band(from, to, thick + 1.8 * pixel, colour_mix(ink::compression, {1, 1, 1}, fade));
+	bodies.band(from, to, thick, intact ? ink::bond : colour_mix(ink::broken, {1, 1, 1}, fade));
+}
+
+void draw_contacts(page &page, const rve_scene &rve, const chains &chains, const box &view)
 {
 	shapes casing, bands, bonds, bond_rims;
 	double pixel = page.metres_per_pixel() * page.unit;
-	for_images(rve.shape, view, [&](double dx, double dy, bool own) {
+	rve.shape.for_images(view, [&](double dx, double dy, bool own) {
 		double fade = own ? 0 : surroundings_fade;
 		for (const contact &c : rve.contacts) {
 			double a[2] = {c.a[0] + dx, c.a[1] + dy}, b[2] = {c.b[0] + dx, c.b[1] + dy};
 			double middle[2] = {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};
 			if (!inside(view, middle[0], middle[1], 2.5 * rve.mean_radius))
 				continue;
-			double w = std::max(chains.width(c.force), (c.sliding ? 1.4 : 0.7) * pixel);
-			rgb white = {1, 1, 1};
-			if (w > 1.3 * pixel)
-				casing.band(a, b, w + 1.6 * pixel, white, own ? 0.75 : 0.5);
-			bands.band(a, b, w, colour_mix(contact_colour(c), white, fade));
-			if (c.bond == 0)
-				continue;
-			// Cement: a short bar across the contact.
-			double tx = -(b[1] - a[1]), ty = b[0] - a[0], l = std::hypot(tx, ty), s = 0.42 * rve.mean_radius;
-			double from[2] = {middle[0] - s * tx / l, middle[1] - s * ty / l};
-			double to[2] = {middle[0] + s * tx / l, middle[1] + s * ty / l};
-			bond_rims.band(from, to, 0.30 * rve.mean_radius + 2.4 * pixel, colour_mix(ink::compression, white, fade));
-			bonds.band(from, to, 0.30 * rve.mean_radius,
-					   c.bond == 1 ? ink::bond : colour_mix(ink::broken, white, fade));
+			double w = std::max(chains.width(c.force), (c.sliding || c.force < 0 ? 2.2 : 0.8) * pixel);
+			if (c.touching() && w > 1.3 * pixel)
+				casing.band(a, b, w + 1.6 * pixel, {1, 1, 1}, own ? 0.75 : 0.5);
+			if (c.touching())
+				bands.band(a, b, w, colour_mix(contact_colour(c), {1, 1, 1}, fade));
+			if (c.bond != 0)
+				draw_bond(bond_rims, bonds, c, middle, rve.mean_radius, pixel, fade);
 		}
 	});
 	page.draw_world(casing, LEVEL_CASING);
@@ -250,8 +115,8 @@ void draw_cell(page &page, const cell &shape)
 	shapes under, outline;
 	under.line(corners, 4, true, {1, 1, 1});
 	outline.line(corners, 4, true, ink::cell);
-	page.draw_world(under, LEVEL_CELL + 1, 5);
-	page.draw_world(outline, LEVEL_CELL + 2, 2.6);
+	page.draw_world(under, LEVEL_CELL, 5);
+	page.draw_world(outline, LEVEL_CELL + 1, 2.6);
 }
 
 // ---- legend ----
@@ -262,106 +127,364 @@ struct legend_item {
 	double width; // of the sign, pixels
 };
 
-std::vector<legend_item> legend_items(const page &page, const rve &rve, const chains &chains)
+legend_item line_item(const page &page, const std::string &text, rgb colour, double thick)
 {
-	double u = page.unit, pixel = page.metres_per_pixel();
-	std::vector<legend_item> items;
-	auto line_item = [&](const std::string &text, rgb colour, double thick) {
-		items.push_back({text,
-						 [=](class page &page, double x, double y) {
-							 shapes s;
-							 s.rectangle({x, y - 0.5 * thick, x + swatch * u, y + 0.5 * thick}, colour);
-							 page.draw(s);
-						 },
-						 swatch * u});
-	};
-	auto bond_item = [&](const std::string &text, rgb colour) {
-		items.push_back({text,
-						 [=](class page &page, double x, double y) {
-							 shapes s;
-							 s.rectangle({x, y - 8 * u, x + 7 * u, y + 8 * u}, ink::compression);
-							 s.rectangle({x + 1.3 * u, y - 6.7 * u, x + 5.7 * u, y + 6.7 * u}, colour);
-							 page.draw(s);
-						 },
-						 7 * u});
-	};
-	bool any[5] = {};
-	for (const contact &c : rve.contacts) {
-		any[c.sliding ? 2 : c.force < 0 ? 1 : 0] = true;
-		any[3] |= c.bond == 1, any[4] |= c.bond == 2;
-	}
-	if (rve.contacts.empty())
-		return items;
+	double width = swatch * page.unit;
+	return {text,
+			[=](class page &page, double x, double y) {
+				shapes s;
+				s.rectangle({x, y - 0.5 * thick, x + width, y + 0.5 * thick}, colour);
+				page.draw(s);
+			},
+			width};
+}
+
+legend_item bond_item(const page &page, const std::string &text, rgb colour, bool rim)
+{
+	double u = page.unit;
+	return {text,
+			[=](class page &page, double x, double y) {
+				shapes s;
+				if (rim)
+					s.rectangle({x, y - 8 * u, x + 7 * u, y + 8 * u}, ink::compression);
+				s.rectangle({x + 1.3 * u, y - 6.7 * u, x + 5.7 * u, y + 6.7 * u}, colour);
+				page.draw(s);
+			},
+			7 * u};
+}
+
+// A round force near the reference.
+std::string force_text(const chains &chains, double *shown)
+{
 	double step = ticks_step(chains.reference, 1);
-	double shown = step > chains.reference * 1.2 ? ticks_step(0.4 * chains.reference, 1) : step;
+	*shown = step > chains.reference * 1.2 ? ticks_step(0.4 * chains.reference, 1) : step;
 	char unit[TICKS_UNIT], text[96];
-	double factor = ticks_unit("N", shown * 1.0001, unit);
-	snprintf(text, sizeof text, "force %g %s", shown * factor, unit);
-	line_item(text, ink::compression, std::max(1.0, chains.width(shown) / pixel));
+	double factor = ticks_unit("N", *shown * 1.0001, unit);
+	snprintf(text, sizeof text, "force %g %s", *shown * factor, unit);
+	return text;
+}
+
+std::vector<legend_item> legend_items(const page &page, const std::vector<rve_scene> &rves, const chains &chains)
+{
+	std::vector<legend_item> items;
+	bool any[5] = {};
+	for (const rve_scene &rve : rves)
+		for (const contact &c : rve.contacts) {
+			any[c.sliding ? 2 : c.force < 0 ? 1 : 0] |= c.touching();
+			any[3] |= c.bond == 1, any[4] |= c.bond == 2;
+		}
+	double u = page.unit, shown;
+	std::string force = force_text(chains, &shown);
+	if (any[0] || any[1] || any[2])
+		items.push_back(
+			line_item(page, force, ink::compression, std::max(1.0, chains.width(shown) / page.metres_per_pixel())));
 	if (any[1])
-		line_item("tension", ink::tension, 5 * u);
+		items.push_back(line_item(page, "tension", ink::tension, 5 * u));
 	if (any[2])
-		line_item("sliding", ink::sliding, 5 * u);
+		items.push_back(line_item(page, "sliding", ink::sliding, 5 * u));
 	if (any[3])
-		bond_item("bond", ink::bond);
+		items.push_back(bond_item(page, "bond", ink::bond, true));
 	if (any[4])
-		bond_item("broken bond", ink::broken);
+		items.push_back(bond_item(page, "broken bond", ink::broken, false));
 	return items;
 }
 
-// Length scale on the left, signs and words on the right, in one row; it may be wider than the group above.
-void draw_legend(page &page, const layout &where, const std::vector<legend_item> &items, double y)
+// Length scale, then signs and words, from x0 on; what does not fit before x1 begins another line, `y` being the middle
+// of the first.
+void draw_legend(page &page, const length_scale &length, const std::vector<legend_item> &items, double x0, double x1,
+				 double y)
 {
-	double u = page.unit, width = 0, edge = 22 * u;
-	for (const legend_item &item : items)
-		width += legend_gap * u + item.width + 8 * u + page.text_width(item.text, letters);
-	length_scale length = length_scale_make(page, where);
-	double x0 = std::max(edge, std::min(where.window.x0 + 1, page.width - edge - length.width - width));
+	double u = page.unit, x = x0 + length.width;
 	length_scale_draw(page, length, x0, y);
-	double x = std::max(x0 + length.width, where.group.x1 - width);
 	for (const legend_item &item : items) {
+		double width = item.width + 8 * u + page.text_width(item.text, letters);
+		if (x + legend_gap * u + width > x1) {
+			x = x0 - legend_gap * u;
+			y -= text_line(page, letters);
+		}
 		x += legend_gap * u;
 		item.sign(page, x, y);
-		x += item.width + 8 * u;
-		page.text(item.text, x, y, letters, align::low, align::middle);
-		x += page.text_width(item.text, letters);
+		page.text(item.text, x + item.width + 8 * u, y, letters, align::low, align::middle);
+		x += width;
 	}
+}
+
+int legend_lines(const page &page, const length_scale &length, const std::vector<legend_item> &items, double width)
+{
+	double u = page.unit, x = length.width;
+	int lines = 1;
+	for (const legend_item &item : items) {
+		double wide = legend_gap * u + item.width + 8 * u + page.text_width(item.text, letters);
+		lines += x + wide > width;
+		x = x + wide > width ? wide - legend_gap * u : x + wide;
+	}
+	return lines;
+}
+
+// ---- words ----
+
+// With as many decimals as the largest needs for three digits.
+std::string components(double xx, double yy, double xy)
+{
+	double most = std::max({std::fabs(xx), std::fabs(yy), std::fabs(xy)});
+	int decimals = most > 0 ? std::clamp(2 - int(std::floor(std::log10(most))), 0, 6) : 0;
+	std::string format = "%." + std::to_string(decimals) + "f";
+	auto text = [&](double value) {
+		bool none = std::fabs(value) < 0.5 * std::pow(10, -decimals);
+		return number_text(none ? 0 : value, none ? "%.0f" : format.c_str());
+	};
+	return "xx " + text(xx) + ", yy " + text(yy) + ", xy " + text(xy);
+}
+
+std::vector<std::string> state_texts(const rve_scene &rve, const char *temperature_unit)
+{
+	const frame_rve &w = rve.whole;
+	std::vector<std::string> pieces;
+	char unit[TICKS_UNIT];
+	double most = std::max({std::fabs(w.stress[0]), std::fabs(w.stress[1]), std::fabs(w.stress[3])});
+	double factor = ticks_unit("Pa", most, unit);
+	if (w.point >= 0)
+		pieces.push_back("point " + std::to_string(w.point) + (*w.rule ? " (" + std::string(w.rule) + ")" : ""));
+	pieces.push_back("\u03c3 " + components(w.stress[0] * factor, w.stress[1] * factor, w.stress[3] * factor) + " " +
+					 unit);
+	pieces.push_back("\u03b5 " + components(100 * w.strain[0], 100 * w.strain[1], 100 * w.strain[3]) + " %");
+	pieces.push_back("e " + number_text(w.void_ratio, "%.3f"));
+	pieces.push_back("Z " + number_text(w.coordination, "%.2f"));
+	if (std::isfinite(w.temperature))
+		pieces.push_back("T " + number_text(w.temperature, "%.4g") + " " +
+						 unit_text(temperature_unit, temperature_unit));
+	if (w.bonds_installed > 0)
+		pieces.push_back("bonds " + std::to_string(w.bonds_intact) + " of " + std::to_string(w.bonds_installed));
+	if (w.flags & FRAME_RVE_FLYING)
+		pieces.push_back("flies free");
+	if (w.flags & FRAME_RVE_FROZEN)
+		pieces.push_back("frozen");
+	return pieces;
+}
+
+// "RVE A – title"; one that no scene has named is known by its point.
+std::string title_text(const frame_view &frame, const frame_image &image)
+{
+	std::string name = image.rve, title = frame.header().title;
+	if (name.rfind("point_", 0) == 0)
+		name = "of point " + name.substr(6);
+	return "RVE " + name + (title.empty() ? "" : " \u2013 " + title);
+}
+
+// ---- where things stand ----
+
+// One RVE's window with its rose, colour bar, words and legend: the rose beside the window and the words below, or all
+// in a strip under it.
+struct plan {
+	bool beside;
+	double scale;        // pixels per metre
+	double w, h;         // of the window, pixels
+	double column, foot; // width of what stands beside, height of what stands under it
+	double total_w, total_h;
+};
+
+struct rve_page {
+	class page &page;
+	const std::vector<rve_scene> &rves;
+	const colour_scale &scale;
+	std::vector<std::vector<std::string>> words = {}; // of each RVE, in pieces
+	double view_w = 0, view_h = 0;                    // m, the same for all
+	plan p = {};
+	std::vector<box> windows = {}; // pixels
+
+	double u() const { return page.unit; }
+	double line() const { return text_line(page, letters); }
+	bool pair() const { return rves.size() > 1; }
+	// Lines that the words of all need at this width.
+	double lines(double width) const
+	{
+		size_t most = 0;
+		for (const auto &pieces : words)
+			most = std::max(most, text_wrap(page, pieces, letters, width).size());
+		return std::min(double(most), std::max(1.0, std::floor(0.2 * page.height / line())));
+	}
+};
+
+// The better of both ways in a region of `wide` x `high` pixels.
+plan plan_make(const rve_page &at, double wide, double high)
+{
+	double u = at.u(), line = at.line(), strip = std::max(strip_height * u, 90 * u + 7 * line);
+	double column = std::max((at.pair() ? pair_column_width : column_width) * u, scale_bar_width(at.page, at.scale));
+	double foot = 12 * u + (at.lines(wide) + 2) * line;
+	double beside = std::min((wide - column - gap * u) / at.view_w, (high - foot) / at.view_h);
+	double under = std::min(wide / at.view_w, (high - strip) / at.view_h);
+	plan p = {};
+	p.beside = at.pair() || beside >= 0.9 * under;
+	p.scale = std::max(p.beside ? beside : under, 8 / std::max(at.view_w, at.view_h));
+	p.w = std::max(8.0, std::round(at.view_w * p.scale));
+	p.h = std::max(8.0, std::round(at.view_h * p.scale));
+	p.column = p.beside ? column + gap * u : 0;
+	p.foot = p.beside ? foot : strip;
+	p.total_w = p.w + p.column;
+	p.total_h = p.h + p.foot;
+	return p;
+}
+
+void draw_window(rve_page &at, size_t k, const chains &chains)
+{
+	box view = at.rves[k].view();
+	double x = 0.5 * (view.x0 + view.x1), y = 0.5 * (view.y0 + view.y1);
+	double w = at.p.w / at.p.scale, h = at.p.h / at.p.scale;
+	view = {x - 0.5 * w, y - 0.5 * h, x + 0.5 * w, y + 0.5 * h};
+	at.page.look(view, at.windows[k]);
+	draw_discs(at.page, at.rves[k], at.scale, view);
+	draw_contacts(at.page, at.rves[k], chains, view);
+	draw_cell(at.page, at.rves[k].shape);
+	layout where = {};
+	where.window = at.windows[k];
+	layout_frame(at.page, where);
+}
+
+// The words of RVE k from `y` down; returns where the next line would stand.
+double draw_words(const rve_page &at, size_t k, double x, double y, double width)
+{
+	double lines = at.lines(width);
+	for (const std::string &text : text_wrap(at.page, at.words[k], letters, width)) {
+		if (lines-- < 1)
+			break;
+		at.page.text(layout_fit(at.page, text, letters, width), x, y, letters, align::low, align::middle);
+		y -= at.line();
+	}
+	return y;
+}
+
+// Rose and, for the last one, the colour bar in the column beside window k.
+void draw_column(const rve_page &at, size_t k, bool bar)
+{
+	double u = at.u(), x0 = at.windows[k].x1 + gap * u, x1 = at.windows[k].x1 + at.p.column, y1 = at.windows[k].y1;
+	double height = at.windows[k].height(), rose = std::min(height, x1 - x0 + 60 * u);
+	rose = bar ? std::min(rose, 0.52 * height) : rose;
+	rose_draw(at.page, at.rves[k], {x0, y1 - rose, x1, y1});
+	if (!bar)
+		return;
+	double room = height - rose - 26 * u, inset = 0.5 * std::max(10 * u, room - 420 * u);
+	double x = x0 + 0.5 * std::max(0.0, x1 - x0 - scale_bar_width(at.page, at.scale));
+	scale_bar_upright(at.page, at.scale, x, at.windows[k].y0 + inset, at.windows[k].y0 + room - inset);
+}
+
+// From `x` to `x1`, or from edge to edge of the page where that is too narrow; left out where nothing helps.
+void draw_legend_in(const rve_page &at, const chains &chains, double x, double x1, double y)
+{
+	layout where = {};
+	where.window = at.windows[0];
+	length_scale length = length_scale_make(at.page, where);
+	auto items = legend_items(at.page, at.rves, chains);
+	if (legend_lines(at.page, length, items, x1 - x) > 2)
+		x = margin * at.u(), x1 = at.page.width - margin * at.u();
+	if (legend_lines(at.page, length, items, x1 - x) <= 2)
+		draw_legend(at.page, length, items, x, x1, y);
+}
+
+// Everything under a wide window: bar, words and legend on the left, rose on the right.
+void draw_strip(const rve_page &at, const chains &chains)
+{
+	double u = at.u();
+	const box &w = at.windows[0];
+	box rose = {w.x1 - std::min(w.width(), at.p.foot), w.y0 - at.p.foot, w.x1, w.y0 - 14 * u};
+	rose_draw(at.page, at.rves[0], rose);
+	double x1 = rose.x0 - gap * u, inset = std::max(12 * u, 0.5 * (x1 - w.x0 - 560 * u));
+	scale_bar_lying(at.page, at.scale, w.y0 - 14 * u, w.x0 + inset, x1 - inset);
+	double y = draw_words(at, 0, w.x0, w.y0 - 118 * u - 0.5 * at.line(), x1 - w.x0);
+	draw_legend_in(at, chains, w.x0, x1, y - 0.2 * at.line());
+}
+
+void draw_beside(const rve_page &at, const chains &chains, double wide)
+{
+	double y = 0, x1 = at.page.width - margin * at.u();
+	for (size_t k = 0; k < at.rves.size(); k++) {
+		const box &w = at.windows[k];
+		double first = w.y0 - 12 * at.u() - 0.5 * at.line();
+		draw_column(at, k, k + 1 == at.rves.size());
+		draw_words(at, k, w.x0, first, std::min(wide, x1 - w.x0));
+		y = first - at.lines(std::min(wide, x1 - w.x0)) * at.line();
+	}
+	draw_legend_in(at, chains, at.windows[0].x0, at.windows.back().x0 + at.p.total_w, y - 0.2 * at.line());
+}
+
+// A page too small for letters: the last RVE alone.
+void draw_bare(rve_page &at)
+{
+	at.p.scale = std::min(at.page.width / at.view_w, at.page.height / at.view_h);
+	at.p.w = std::max(1.0, std::floor(at.view_w * at.p.scale)),
+	at.p.h = std::max(1.0, std::floor(at.view_h * at.p.scale));
+	double x = std::floor(0.5 * (at.page.width - at.p.w)), y = std::floor(0.5 * (at.page.height - at.p.h));
+	at.windows.assign(at.rves.size(), {x, y, x + at.p.w, y + at.p.h});
+	draw_window(at, at.rves.size() - 1, {at.rves.back().force_reference(), 0.6 * at.rves.back().mean_radius});
+}
+
+std::string time_of(const frame_rve &rve) { return rve.point >= 0 || rve.time != 0 ? layout_time(rve.time) : ""; }
+
+// Lays out and draws one RVE, or two side by side.
+void draw_page(rve_page &at, const frame_view &frame, const frame_image &image)
+{
+	double u = at.u(), between = 30 * u, n = double(at.rves.size());
+	if (u < bare_below) {
+		draw_bare(at);
+		return;
+	}
+	double left = margin * u, width = at.page.width - 2 * left, wide = (width - (n - 1) * between) / n;
+	double labels = at.pair() ? at.line() + 6 * u : 0;
+	double top = at.page.height - margin * u - std::max(heading * u, at.line()) - labels;
+	at.p = plan_make(at, wide, top - margin * u);
+
+	// the block of everything stands in the middle of the page
+	double block = n * at.p.total_w + (n - 1) * between, spare = std::max(0.0, top - margin * u - at.p.total_h);
+	double x0 = std::max(left, 0.5 * (at.page.width - block)), y1 = std::round(top - 0.5 * spare);
+	chains chains = {0, 0.6 * at.rves[0].mean_radius};
+	for (size_t k = 0; k < at.rves.size(); k++) {
+		double x = std::round(x0 + double(k) * (at.p.total_w + between));
+		at.windows.push_back({x, y1 - at.p.h, x + at.p.w, y1});
+		chains.reference = std::max(chains.reference, at.rves[k].force_reference());
+	}
+	for (size_t k = 0; k < at.rves.size(); k++) {
+		draw_window(at, k, chains);
+		if (at.pair())
+			at.page.text((k == 0 ? "before   " : "after   ") + time_of(at.rves[k].whole), at.windows[k].x0, y1 + 8 * u,
+						 letters, align::low, align::low);
+	}
+	if (at.p.beside)
+		draw_beside(at, chains, wide);
+	else
+		draw_strip(at, chains);
+	layout where = {};
+	where.group = {at.windows[0].x0, 0, at.windows.back().x0 + at.p.total_w, y1 + labels};
+	layout_heading(at.page, where, title_text(frame, image), at.pair() ? "" : time_of(at.rves[0].whole));
 }
 } // namespace
 
 bool picture_rve(page &page, const frame_view &frame, const frame_image &image, std::string &error)
 {
-	std::string prefix = "rve_" + std::string(image.rve);
-	int discs = frame.find(prefix + "_discs");
-	if (discs < 0) {
-		error = "the frame has no RVE \"" + std::string(image.rve) + "\"";
+	std::vector<rve_scene> rves;
+	std::vector<double> values;
+	for (const char *name : {image.before, image.rve}) {
+		rve_scene rve;
+		if (!*name)
+			continue;
+		if (!rve.read(frame, image, name, error))
+			return false;
+		for (const disc &d : rve.discs)
+			values.push_back(d.value);
+		rves.push_back(std::move(rve));
+	}
+	if (rves.empty()) {
+		error = "the image names no RVE";
 		return false;
 	}
-	rve rve;
 	colour_scale scale;
-	if (!read_discs(frame, image, discs, rve, error))
+	if (!scale_make(image, *rves.back().field, frame.header().temperature_unit, values, scale, error))
 		return false;
-	read_contacts(frame, frame.find(prefix + "_contacts"), rve);
-	std::vector<double> values;
-	for (const disc &d : rve.discs)
-		values.push_back(d.value);
-	if (!scale_make(image, *rve.field, frame.header().temperature_unit, values, scale, error))
-		return false;
-
-	const double foot = 78;
-	box view = view_of(rve);
-	layout where = layout_make(page, view, scale, foot);
-	chains chains = {force_reference(rve), 0.6 * rve.mean_radius};
-	draw_discs(page, rve, scale, view);
-	draw_contacts(page, rve, chains, view);
-	draw_cell(page, rve.shape);
-	layout_frame(page, where);
-	layout_bar(page, where, scale);
-	std::string title = "RVE " + std::string(image.rve);
-	if (frame.header().title[0])
-		title += " \u2013 " + std::string(frame.header().title);
-	layout_heading(page, where, title, frame.header().time);
-	draw_legend(page, where, legend_items(page, rve, chains), where.group.y0 - 24 * page.unit);
-	layout_note(page, where, frame.channel(discs).note, 60);
+	scale.wash = discs_wash;
+	rve_page at{page, rves, scale};
+	for (const rve_scene &rve : rves) {
+		box view = rve.view();
+		at.words.push_back(state_texts(rve, frame.header().temperature_unit));
+		at.view_w = std::max(at.view_w, view.width()), at.view_h = std::max(at.view_h, view.height());
+	}
+	draw_page(at, frame, image);
 	return true;
 }

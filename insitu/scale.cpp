@@ -61,7 +61,7 @@ void bar_draw(page &page, const colour_scale &scale, bool lying, double a, doubl
 	shapes body, outline;
 	for (int k = 0; k < n; k++)
 		body.rectangle(rectangle(a + (b - a) * k / n, a + (b - a) * (k + 1) / n),
-					   colour_map_at(*scale.map, (k + 0.5) / n));
+					   scale.at((k + 0.5) / n));
 	// A point at an end where the data go on beyond the scale.
 	double tip = 0.9 * (d - c), middle = 0.5 * (c + d);
 	std::vector<std::array<double, 2>> path;
@@ -85,9 +85,9 @@ void bar_draw(page &page, const colour_scale &scale, bool lying, double a, doubl
 		body.polygon(p, 3, colour);
 	};
 	if (scale.below)
-		point(a, a - tip, colour_map_at(*scale.map, 0));
+		point(a, a - tip, scale.at(0));
 	if (scale.above)
-		point(b, b + tip, colour_map_at(*scale.map, 1));
+		point(b, b + tip, scale.at(1));
 	outline.line(reinterpret_cast<const double(*)[2]>(path.data()), int(path.size()), true, ink::text);
 	page.draw(body);
 	page.draw(outline, 1.2);

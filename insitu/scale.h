@@ -14,9 +14,11 @@ struct colour_scale {
 	double low = 0, high = 1;          // shown
 	bool below = false, above = false; // there are values outside the range
 	const std::vector<rgb> *map = nullptr;
+	double wash = 0; // how far the colours go towards white
 
 	double position(double value) const { return (value * factor - low) / (high - low); }
-	rgb colour(double value) const { return colour_map_at(*map, position(value)); }
+	rgb at(double t) const { return colour_mix(colour_map_at(*map, t), {1, 1, 1}, wash); }
+	rgb colour(double value) const { return at(position(value)); }
 };
 
 // The scale of an image's field; `values` are what it shows, NaN ignored.  False with a reason in `error`.

@@ -417,6 +417,82 @@ int csv_column(const struct csv_table *t, const char *name)
 	return -1;
 }
 
+/* ---- texts ---- */
+
+void csv_cells_free(struct csv_cells *t)
+{
+	if (!t)
+		return;
+	free(t->cells);
+	free(t->lines);
+	free(t->text);
+	free(t);
+}
+
+/* Does the header have the columns of `expected`? */
+static bool cells_header(const struct cursor *c, const char *expected)
+{
+	for (int k = 0; k < c->n_cells; k++) {
+		size_t n = strcspn(expected, ",");
+		const char *rest = c->cells[k] + n;
+		if (strncmp(c->cells[k], expected, n) != 0 || (*rest && strncmp(rest, " [", 2) != 0))
+			return false;
+		expected += n + (expected[n] == ',' && k + 1 < c->n_cells);
+	}
+	return !*expected;
+}
+
+static int cells_line(struct csv_cells *t, struct cursor *c, const char *expected)
+{
+	int line = c->line;
+	if (*c->at == '#') {
+		size_t n = strcspn(c->at, "\n");
+		c->at += n + (c->at[n] == '\n'), c->line++;
+		return STATUS_OK;
+	}
+	CHECK(row_next(c));
+	if (c->n_cells == 1 && !c->cells[0][0])
+		return STATUS_OK;
+	if (!t->columns)
+		return t->columns = c->n_cells,
+			   cells_header(c, expected) ? STATUS_OK : row_error(c, line, "expected the columns %s", expected);
+	if (c->n_cells != t->columns)
+		return row_error(c, line, "%d cells, expected %d (%s)", c->n_cells, t->columns, expected);
+	for (int k = 0; k < t->columns; k++) {
+		CHECK(grow(&t->cells, t->rows * t->columns + k, sizeof *t->cells));
+		t->cells[t->rows * t->columns + k] = c->cells[k];
+	}
+	CHECK(grow(&t->lines, t->rows, sizeof *t->lines));
+	t->lines[t->rows++] = line;
+	return STATUS_OK;
+}
+
+int csv_read_cells(struct csv_cells **table, const char *path, const char *expected)
+{
+	size_t size;
+	struct csv_cells *t = calloc(1, sizeof *t);
+	*table = NULL;
+	if (!t)
+		return error_set(STATUS_RESOURCE, "no memory to read %s", path);
+	int status = file_read(&t->text, &size, path);
+	if (status != STATUS_OK) {
+		free(t);
+		return status;
+	}
+	unify_line_ends(t->text, &size);
+	struct cursor c = {.path = path, .at = t->text, .end = t->text + size, .line = 1};
+	while (status == STATUS_OK && c.at < c.end)
+		status = cells_line(t, &c, expected);
+	if (status == STATUS_OK && !t->columns)
+		status = row_error(&c, 1, "is empty, expected the columns %s", expected);
+	free(c.cells);
+	if (status == STATUS_OK)
+		*table = t;
+	else
+		csv_cells_free(t);
+	return status;
+}
+
 /* ---- cutting ---- */
 
 /* Length of the line at `text`, with its end; 0 if it has none. */

@@ -64,6 +64,19 @@ struct csv_table {
 int csv_read(struct csv_table **table, const char *path, const char *expected);
 void csv_table_free(struct csv_table *table);
 
+/* A table of texts with a header. */
+struct csv_cells {
+	int columns, rows; /* without the header */
+	char **cells;      /* [rows][columns] */
+	int *lines;        /* [rows] */
+	char *text;        /* private: what the cells point into */
+};
+
+/* Reads a table whose header has these columns ("time,step,command"; units do not matter), in this order.
+ * STATUS_INPUT as above. */
+int csv_read_cells(struct csv_cells **table, const char *path, const char *expected);
+void csv_cells_free(struct csv_cells *table);
+
 /* Number of the column whose header is `name` or `name [any unit]`, or -1. */
 int csv_column(const struct csv_table *table, const char *name);
 

@@ -50,6 +50,7 @@ struct law_counts {
 	long long clamped;     /* point-steps in which n_max cut the number of sub-steps */
 	long long rebuilds;    /* neighbour lists built */
 	long long bonds_installed, bonds_intact;
+	long long twin_calls, twin_disc_steps; /* of these, since the run began: not computed, a twin's was */
 	long long inertia[12]; /* histogram of inertial numbers: < 1e-6, then 2 bins a decade, > 1e-1 */
 };
 
@@ -82,11 +83,17 @@ struct law_type {
 	void (*export_field)(const struct law *law, int f, int n, const int *slot, double *out);
 
 	void (*ledger)(const struct law *law, int slot, struct law_ledger *ledger);
-	void (*reset_ledger)(struct law *law, int slot); /* friction, dashpot ... start again from zero */
+	/* friction, dashpot ... start again from zero; asked for all points of the law together */
+	void (*reset_ledger)(struct law *law, int slot);
 	void (*counts)(const struct law *law, struct law_counts *counts); /* may be NULL */
 
 	/* A stage's action install_bonds: bonds the grains of every point where they touch; NULL where there are none. */
 	void (*install_bonds)(struct law *law);
+
+	/* Before law->states is read as bytes: points may share a state meanwhile.  And after it was replaced.  NULL where
+	 * every point has its state to itself. */
+	void (*write_out)(struct law *law);
+	void (*restored)(struct law *law);
 
 	/* The RVE behind a state, for rve_inspect() and rve_get_info(); NULL where the law has none. */
 	int (*rve_view)(const struct law *law, int slot, const struct rve_model **model, const void **state);
@@ -96,8 +103,10 @@ struct law_type {
 struct law {
 	const struct law_type *type;
 	char name[SCENE_NAME];
+	const char *path;     /* which code computes its states; NULL: there is but one */
 	double density;       /* bulk at birth, kg/m3; NAN if the law has no opinion */
 	double coupling;      /* lambda / P-wave modulus at rest, 0..1: couples the two directions in the step's limit; 1 unless create() says less */
+	struct twins *twins;  /* law/twins.h; NULL: every point has its state to itself */
 	void *model;          /* parameters; rebuilt from the scene, never saved */
 	unsigned long long model_hash; /* of what the states rely on beside the scene's text (packings); 0 = nothing */
 	int n_points;

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "law/law.h"
+#include "law/twins.h"
 #include "rve/from_scene.h"
 #include "rve/packing.h"
 
@@ -14,6 +15,7 @@ static const struct field fields[] = {
 	{"coordination", "-", 1, "contacts per disc: 2 contacts / discs"},
 	{"sliding_fraction", "-", 1, "share of the contacts at the Coulomb limit"},
 	{"bond_fraction", "-", 1, "share of the installed bonds that are intact"},
+	{"broken_bonds", "-", 1, "installed bonds that have broken"},
 	{"sub_steps", "-", 1, "DEM steps that the last step took"},
 	{"gas", "-", 1, "1 where the point flies freely and its RVE rests"},
 	{"frozen", "-", 1, "1 where the RVE's cell could follow the deformation no further"},
@@ -30,6 +32,7 @@ static double field_value(const struct rve_info *info, int f)
 									 info->coordination,
 									 info->sliding_fraction,
 									 info->bond_fraction,
+									 info->bonds_installed - info->bonds_intact,
 									 info->sub_steps,
 									 info->flags & RVE_GAS ? 1.0 : 0.0,
 									 info->flags & RVE_FROZEN ? 1.0 : 0.0,
@@ -40,8 +43,11 @@ static double field_value(const struct rve_info *info, int f)
 	return values[f];
 }
 
+/* The state that holds what is true of a point: its own, or the one that it shares with its twins. */
 static unsigned char *state_of(const struct law *law, int slot)
 {
+	const struct twins *twins = law->twins;
+	slot = twins ? twins->home[slot] : slot;
 	return law->states + (size_t)slot * law->state_bytes;
 }
 
@@ -77,6 +83,7 @@ static int create(struct law *law, const struct scene_law *scene, int n_points, 
 	double void_ratio = 0.0;
 	for (int v = 0; v < n; v++)
 		void_ratio += rve_void_ratio(law->model, v) / n;
+	law->path = rve_path(law->model);
 	law->density = scene->rve.grain_density / (1.0 + void_ratio);
 	law->coupling = 1.0 / 3.0; /* measured: xxyy / xxxx is 0.09 dense, 0.32 loose */
 	law->model_hash = rve_packings_hash(law->model);
@@ -88,11 +95,12 @@ static int create(struct law *law, const struct scene_law *scene, int n_points, 
 						 (double)bytes * 1e-6, n_points, rve_discs(law->model));
 	for (int k = 0; k < n_points; k++)
 		CHECK(rve_init(law->model, variant ? variant[k] : 0, state_of(law, k)));
-	return STATUS_OK;
+	return scene->rve.economy.twins ? twins_create(&law->twins, law->model, law->states, n_points) : STATUS_OK;
 }
 
 static void destroy(struct law *law)
 {
+	twins_free(law->twins);
 	rve_model_free(law->model);
 	free(law->states);
 }
@@ -122,7 +130,7 @@ static int advance(struct law *law, struct law_batch *batch)
 							 .conductivity = batch->conductivity,
 							 .modulus = batch->modulus,
 							 .failed = -1};
-	int status = rve_advance(law->model, &rves);
+	int status = law->twins ? twins_advance(law->twins, &rves) : rve_advance(law->model, &rves);
 	batch->failed = rves.failed;
 	return status == STATUS_OK ? status : error_context(status, "law %s", law->name);
 }
@@ -153,7 +161,20 @@ static void ledger(const struct law *law, int slot, struct law_ledger *sums)
 	};
 }
 
+/* All points are reset together, and to reset a state twice is to reset it once. */
 static void reset_ledger(struct law *law, int slot) { rve_reset_ledger(law->model, state_of(law, slot)); }
+
+static void write_out(struct law *law)
+{
+	if (law->twins)
+		twins_write_out(law->twins);
+}
+
+static void restored(struct law *law)
+{
+	if (law->twins)
+		twins_find(law->twins);
+}
 
 static void counts(const struct law *law, struct law_counts *sums)
 {
@@ -172,11 +193,15 @@ static void counts(const struct law *law, struct law_counts *sums)
 		for (int bin = 0; bin < 12; bin++)
 			sums->inertia[bin] += info.inertia[bin];
 	}
+	if (law->twins) {
+		sums->twin_calls = law->twins->saved_calls;
+		sums->twin_disc_steps = law->twins->saved_sub_steps * rve_discs(law->model);
+	}
 }
 
 static void install_bonds(struct law *law)
 {
-	for (int k = 0; k < law->n_points; k++)
+	for (int k = 0; k < law->n_points; k++) /* twins get the same bonds once more */
 		rve_install_bonds(law->model, state_of(law, k));
 }
 
@@ -201,5 +226,7 @@ const struct law_type law_rve = {
 	.reset_ledger = reset_ledger,
 	.counts = counts,
 	.install_bonds = install_bonds,
+	.write_out = write_out,
+	.restored = restored,
 	.rve_view = rve_view,
 };

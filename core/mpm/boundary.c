@@ -46,7 +46,7 @@ static bool boundary_active(const struct mpm *mpm, const struct scene_boundary *
 static void rebuild(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny;
+	size_t nodes = w->n_nodes;
 	for (size_t k = 0; k < nodes; k++) {
 		if (w->fixed_T)
 			w->fixed_T[k] = NAN, w->fixed_T_wall[k] = -1;
@@ -122,7 +122,7 @@ void boundaries_update(struct mpm *mpm)
 int boundaries_create(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, n = (size_t)mpm->scene->n_boundaries;
+	size_t nodes = w->n_nodes, n = (size_t)mpm->scene->n_boundaries;
 	bool velocities = false, complete = true;
 	w->boundary_on = calloc(n + 1, sizeof *w->boundary_on);
 	w->boundary_T = calloc(n + 1, sizeof *w->boundary_T);

@@ -119,7 +119,8 @@ bool cohesion_lost(const struct mpm *mpm, int *point, int *neighbour)
 			if (m < 0 || !mpm->laws[p->law[k]]->type->cohesive || !mpm->laws[p->law[m]]->type->cohesive ||
 				w->cell[k] < 0 || w->cell[m] < 0)
 				continue;
-			double a = mpm->shape->support(w->half[p->body[k]]), b = mpm->shape->support(w->half[p->body[m]]);
+			double a = mpm->shape->support(w->half[p->body[k]], p->F[k]),
+				   b = mpm->shape->support(w->half[p->body[m]], p->F[m]);
 			if (!in_touch(w, p->x[k], a, p->x[m], b) || gap(p, k, m) > GAP_MOST) {
 				*point = k, *neighbour = m;
 				return true;

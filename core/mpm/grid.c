@@ -19,7 +19,10 @@ int grid_create(struct mpm *mpm)
 	grid->nx = (int)lround(s->size[0] / s->cell) + 1 + 2 * GHOST_CELLS;
 	grid->ny = (int)lround(s->size[1] / s->cell) + 1 + 2 * GHOST_CELLS;
 	mpm_work(mpm)->shape_grid.nx = grid->nx;
-	size_t n = (size_t)grid->nx * (size_t)grid->ny;
+	/* extra fields lie behind the grid's nodes, in rows like theirs */
+	size_t rows = (size_t)grid->ny + ((size_t)contact_slots(mpm) + (size_t)grid->nx - 1) / (size_t)grid->nx;
+	size_t n = mpm_work(mpm)->n_nodes = (size_t)grid->nx * rows;
+	mpm_work(mpm)->n_rows = grid->ny;
 	grid->mass = calloc(n, sizeof *grid->mass);
 	grid->v = calloc(n, sizeof *grid->v);
 	grid->v_new = calloc(n, sizeof *grid->v_new);

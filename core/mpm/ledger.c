@@ -38,6 +38,8 @@ const struct field mpm_ledger_fields[] = {
 	{"loss_dashpot", "J", 1, "of the dashpots in RVEs"},
 	{"loss_bond", "J", 1, "of broken bonds"},
 	{"loss_fracture", "J", 1, "of fracture"},
+	{"work_contact_friction", "J", 1, "turned into heat where bodies touch"},
+	{"loss_contact", "J", 1, "of bodies that meet, and of bonds between fields"},
 	{"loss_numerical", "J", 1, "transfers between points and nodes, damping, remapping, impacts on walls"},
 	{"work_expansion", "J", 1, "done by thermal expansion"},
 	{"energy_discarded", "J", 1, "dropped with gas, re-seeded RVEs and points that left"},
@@ -56,7 +58,7 @@ static void add_nodes(struct mpm *mpm, struct mpm_work *w, double *boundary)
 {
 	struct mpm_sums *t = &w->total;
 	double increment = 0.0, power = 0.0, carried = 0.0;
-	for (int j = 0; j < mpm->grid.ny; j++) {
+	for (int j = 0; j < w->n_rows; j++) {
 		const struct row_sum *row = &w->row_sums[j];
 		increment += row->increment;
 		carried += row->carried;
@@ -146,10 +148,10 @@ static void add_walls(struct mpm *mpm, struct mpm_work *w, double *boundary)
 		add_confining_reaction(mpm, w, wall);
 }
 
-static void add_heat(struct mpm *mpm, struct mpm_work *w)
+static void add_heat(struct mpm_work *w)
 {
 	struct mpm_sums *t = &w->total;
-	for (int j = 0; j < mpm->grid.ny; j++) {
+	for (int j = 0; j < w->n_rows; j++) {
 		t->heat_in += w->heat_sums[j].in;
 		t->heat_out += w->heat_sums[j].out;
 		t->heat_walls += w->heat_sums[j].walls;
@@ -185,8 +187,10 @@ void ledger_add_step(struct mpm *mpm)
 	add_nodes(mpm, w, &boundary);
 	add_points(mpm, w);
 	add_walls(mpm, w, &boundary);
+	if (w->contact)
+		contact_add_to_ledger(mpm);
 	if (w->thermal_dt > 0.0)
-		add_heat(mpm, w);
+		add_heat(w);
 	w->total.work_boundary += boundary;
 	w->total.work_boundary_turnover += fabs(boundary);
 	w->total.scale = fmax(w->total.scale, work_scale(&w->total));
@@ -249,15 +253,18 @@ void mpm_measure(struct mpm *mpm)
 	measure_points(mpm, &l);
 	l.work_boundary = t->work_boundary;
 	l.work_walls_friction = t->work_walls_friction;
+	l.work_contact_friction = t->work_contact_friction;
+	l.loss_contact = t->loss_contact;
 	l.loss_numerical = t->loss_numerical - power_to_come(mpm);
 	l.energy_discarded += t->discarded;
 	l.heat_in = t->heat_in, l.heat_out = t->heat_out;
 	double now = l.energy_kinetic + l.energy_elastic + l.energy_rve_kinetic + l.energy_gravity;
 	double start = t->start_kinetic + t->start_elastic + t->start_rve_kinetic + t->start_gravity;
 	l.energy_residual = now - start - l.work_boundary - l.work_expansion + l.work_walls_friction + l.heat_rve_friction +
-						l.loss_dashpot + l.loss_bond + l.loss_fracture + l.loss_numerical + l.energy_discarded;
+						l.loss_dashpot + l.loss_bond + l.loss_fracture + l.work_contact_friction + l.loss_contact +
+						l.loss_numerical + l.energy_discarded;
 	l.energy_thermal -= t->start_thermal;
-	l.heat_residual = l.energy_thermal - l.heat_in + l.heat_out - t->heat_given - t->heat_walls;
+	l.heat_residual = l.energy_thermal - l.heat_in + l.heat_out - t->heat_given - t->heat_walls - t->heat_contacts;
 	mpm->ledger = l;
 	judge_residual(mpm, w);
 }

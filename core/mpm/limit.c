@@ -107,17 +107,17 @@ static void scatter_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 {
 	struct shape_lists lists;
 	const struct particles *p = &mpm->p;
-	int nodes = mpm->shape->max_nodes, first, last;
+	int first, last;
 	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])p->x, p->body, w->half, &lists);
+		mpm_lists(mpm, n, chunk, &lists);
 		for (int k = 0; k < n; k++) {
 			int q = chunk[k];
 			double volume = mat2_determinant(p->F[q]) * p->volume0[q], stiffness = volume * p->modulus[q];
 			const double *x = w->limit_points[q].weight, motion[2] = {stiffness * x[0], stiffness * x[1]};
 			double heat = w->thermal_dt > 0.0 ? mpm_conductance(mpm, q, volume) : 0.0;
-			scatter_rigidity(w, &lists, k * nodes, nodes, motion, heat);
+			scatter_rigidity(w, &lists, k * lists.nodes, lists.nodes, motion, heat);
 		}
 	}
 }
@@ -163,7 +163,7 @@ static void judge_point(const struct mpm *mpm, struct mpm_work *w, const struct 
 {
 	struct limit_point *point = &w->limit_points[p];
 	double motion[2] = {0.0, 0.0}, heat[2] = {0.0, 0.0}, row[2];
-	for (int a = 0; a < mpm->shape->max_nodes; a++) {
+	for (int a = 0; a < lists->nodes; a++) {
 		double gx = fabs(lists->grad_x[at + a]), gy = fabs(lists->grad_y[at + a]);
 		const struct limit_node *node = &w->limit_nodes[lists->node[at + a]];
 		motion[0] += gx * node->motion[0], motion[1] += gy * node->motion[1];
@@ -186,13 +186,13 @@ static struct limit_sum judge_stripe(const struct mpm *mpm, struct mpm_work *w, 
 {
 	struct shape_lists lists;
 	struct limit_sum sum = {.stiffest = -1, .grown = -1, .hottest = -1};
-	int nodes = mpm->shape->max_nodes, first, last;
+	int first, last;
 	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
+		mpm_lists(mpm, n, chunk, &lists);
 		for (int k = 0; k < n; k++)
-			judge_point(mpm, w, &lists, k * nodes, chunk[k], &sum);
+			judge_point(mpm, w, &lists, k * lists.nodes, chunk[k], &sum);
 	}
 	return sum;
 }
@@ -200,16 +200,16 @@ static struct limit_sum judge_stripe(const struct mpm *mpm, struct mpm_work *w, 
 /* One product |A| x, and what it says. */
 static struct limit_sum sweep(struct mpm *mpm, struct mpm_work *w)
 {
-	int ny = mpm->grid.ny;
+	int rows = w->n_rows;
 	struct limit_sum most = {.stiffest = -1, .grown = -1, .hottest = -1};
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < ny; j++)
+	for (int j = 0; j < rows; j++)
 		if (w->row_high[j] >= w->row_low[j])
 			memset(w->limit_nodes + (size_t)j * (size_t)mpm->grid.nx + (size_t)w->row_low[j], 0,
 				   (size_t)(w->row_high[j] - w->row_low[j] + 1) * sizeof *w->limit_nodes);
 	mpm_each_stripe(mpm, scatter_stripe);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < ny; j++)
+	for (int j = 0; j < rows; j++)
 		finish_row(mpm, w, j);
 	hold_at_walls(mpm, w);
 #pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))

@@ -44,18 +44,18 @@ static void push_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 {
 	struct shape_lists lists;
 	const struct particles *points = &mpm->p;
-	int first, last, nodes = mpm->shape->max_nodes;
+	int first, last;
 	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])points->x, points->body, w->half, &lists);
+		mpm_lists(mpm, n, chunk, &lists);
 		for (int k = 0; k < n; k++) {
 			const struct scene_motion *motion = &mpm->scene->bodies[points->body[chunk[k]]].motion;
 			double b[2];
 			if (!motion->solution || !motion->force)
 				continue;
 			body_force(mpm, chunk[k], b);
-			for (int a = k * nodes; a < (k + 1) * nodes; a++) {
+			for (int a = k * lists.nodes; a < (k + 1) * lists.nodes; a++) {
 				double mass = lists.weight[a] * points->mass[chunk[k]];
 				w->body_force[lists.node[a]][0] += mass * b[0];
 				w->body_force[lists.node[a]][1] += mass * b[1];
@@ -67,6 +67,6 @@ static void push_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 void motion_forces(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-	memset(w->body_force, 0, (size_t)mpm->grid.nx * (size_t)mpm->grid.ny * sizeof *w->body_force);
+	memset(w->body_force, 0, w->n_nodes * sizeof *w->body_force);
 	mpm_each_stripe(mpm, push_stripe);
 }

@@ -88,6 +88,8 @@ int mpm_step(struct mpm *mpm)
 	if (mpm->step % RESORT_STEPS == 0)
 		mpm_resort_storage(mpm);
 	CHECK(guard_cohesion(mpm));
+	if (w->contact)
+		CHECK(contact_find_fields(mpm));
 
 	if (order == MPM_USF) {
 		mpm->within_step = true;
@@ -96,6 +98,8 @@ int mpm_step(struct mpm *mpm)
 	}
 	mpm_clear_grid(mpm);
 	mpm_points_to_grid(mpm);
+	if (w->contact)
+		contact_gather(mpm);
 	if (w->limit_nodes && limit_due(mpm))
 		limit_look(mpm);
 	CHECK(guard_step(mpm, STATUS_GUARD));
@@ -136,7 +140,7 @@ static int create_projection(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	const struct scene_mpm *s = &mpm->scene->mpm;
-	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, n = (size_t)mpm->p.n;
+	size_t nodes = w->n_nodes, n = (size_t)mpm->p.n;
 	bool strain = s->order != MPM_USL, filter = s->transfer == MPM_XPIC || s->transfer == MPM_FMPM;
 	if (strain || filter) {
 		w->projected = aligned_alloc(64, nodes * sizeof *w->projected);
@@ -157,7 +161,7 @@ static int create_work(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	const struct grid *grid = &mpm->grid;
-	size_t nodes = (size_t)grid->nx * (size_t)grid->ny, n = (size_t)mpm->p.n;
+	size_t nodes = w->n_nodes, n = (size_t)mpm->p.n, rows = nodes / (size_t)grid->nx;
 	w->shape_grid.nx = grid->nx;
 	w->cells_x = grid->nx - 1, w->cells_y = grid->ny - 1;
 	w->n_stripes = (w->cells_y + STRIPE_ROWS - 1) / STRIPE_ROWS;
@@ -167,13 +171,13 @@ static int create_work(struct mpm *mpm)
 	w->permutation = malloc((n + 1) * sizeof *w->permutation);
 	w->scratch = malloc((n + 1) * particles_widest());
 	w->cell_first = calloc((size_t)w->cells_x * (size_t)w->cells_y + 2, sizeof *w->cell_first);
-	w->row_low = calloc((size_t)grid->ny, sizeof *w->row_low);
-	w->row_high = calloc((size_t)grid->ny, sizeof *w->row_high);
+	w->row_low = calloc(rows, sizeof *w->row_low);
+	w->row_high = calloc(rows, sizeof *w->row_high);
 	w->sums = aligned_alloc(64, nodes * sizeof *w->sums);
 	w->stripe_sums = calloc((size_t)w->n_stripes, sizeof *w->stripe_sums);
 	w->block_sums = calloc(n / BLOCK_POINTS + 1, sizeof *w->block_sums);
-	w->row_sums = calloc((size_t)grid->ny, sizeof *w->row_sums);
-	w->heat_sums = calloc((size_t)grid->ny, sizeof *w->heat_sums);
+	w->row_sums = calloc(rows, sizeof *w->row_sums);
+	w->heat_sums = calloc(rows, sizeof *w->heat_sums);
 	bool complete = w->cell && w->order && w->permutation && w->scratch && w->cell_first && w->row_low && w->row_high &&
 					w->sums && w->stripe_sums && w->block_sums && w->row_sums && w->heat_sums;
 	if (complete)
@@ -312,7 +316,7 @@ static int create_points(struct mpm *mpm, int n, const struct birth *births)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	const struct scene *scene = mpm->scene;
-	CHECK(particles_create(&mpm->p, n, scene->mpm.transfer == MPM_APIC));
+	CHECK(particles_create(&mpm->p, n, scene->mpm.transfer == MPM_APIC, scene->n_contacts > 0));
 	CHECK(freezing_create(mpm));
 	int next[scene->n_laws + 1];
 	memset(next, 0, sizeof next);
@@ -323,10 +327,19 @@ static int create_points(struct mpm *mpm, int n, const struct birth *births)
 	}
 	w->half = calloc((size_t)scene->n_bodies + 1, sizeof *w->half);
 	w->conductivity = calloc((size_t)scene->n_materials + 1, sizeof *w->conductivity);
-	if (!w->half || !w->conductivity)
+	w->edge = calloc((size_t)scene->n_bodies + 1, sizeof *w->edge);
+	if (!w->half || !w->edge || !w->conductivity)
 		return error_set(STATUS_RESOURCE, "out of memory");
-	for (int b = 0; b < scene->n_bodies; b++)
-		w->half[b] = 0.5 * scene_body_spacing(scene, &scene->bodies[b]) / scene->grid.cell;
+	for (int b = 0; b < scene->n_bodies; b++) {
+		double spacing = scene_body_spacing(scene, &scene->bodies[b]);
+		w->half[b] = 0.5 * spacing / scene->grid.cell;
+		w->edge[b][0] = w->edge[b][3] = spacing;
+	}
+	w->shape_points = (struct shape_points){.x = (const double(*)[2])mpm->p.x,
+											.F = (const double(*)[4])mpm->p.F,
+											.body = mpm->p.body,
+											.half = w->half,
+											.edge = (const double(*)[4])w->edge};
 	for (int m = 0; m < scene->n_materials; m++)
 		w->conductivity[m] = scene->materials[m].conductivity;
 	return STATUS_OK;
@@ -402,6 +415,7 @@ static int create_all(struct mpm *mpm)
 	CHECK(fill(mpm));
 	CHECK(create_work(mpm));
 	CHECK(create_projection(mpm));
+	CHECK(contact_create(mpm));
 	CHECK(walls_create(mpm));
 	CHECK(grid_place(mpm));
 	CHECK(boundaries_create(mpm));
@@ -414,6 +428,8 @@ static int create_all(struct mpm *mpm)
 
 	/* one look at the grid: the smooth temperature, and is the step stable? */
 	mpm_sort(mpm);
+	if (mpm_work(mpm)->contact)
+		CHECK(contact_find_fields(mpm));
 	mpm_clear_grid(mpm);
 	mpm_work(mpm)->thermal_dt = mpm->thermal ? mpm_thermal_step(mpm) : 0.0;
 	mpm_points_to_grid(mpm);
@@ -467,12 +483,13 @@ void mpm_free(struct mpm *mpm)
 		walls_free(mpm);
 		boundaries_free(mpm);
 		cohesion_free(mpm);
-		void *private[] = {w->half,        w->law_start,    w->law_names,   w->law_of_scene,  w->conductivity,
-						   w->cell,        w->order,        w->cell_first,  w->row_low,       w->row_high,
-						   w->scratch,     w->permutation,  w->sums,        w->confining,     w->stripe_sums,
-						   w->block_sums,  w->row_sums,     w->heat_sums,   w->start_warming, w->seen,
-						   w->projected,   w->strain_power, w->way,         w->freezing,      w->body_force,
-						   w->limit_nodes, w->limit_sums,   w->limit_points};
+		contact_free(mpm);
+		void *private[] = {w->half,        w->law_start,    w->law_names,    w->law_of_scene,  w->conductivity,
+						   w->cell,        w->order,        w->cell_first,   w->row_low,       w->row_high,
+						   w->scratch,     w->permutation,  w->sums,         w->confining,     w->stripe_sums,
+						   w->block_sums,  w->row_sums,     w->heat_sums,    w->start_warming, w->seen,
+						   w->projected,   w->strain_power, w->way,          w->freezing,      w->body_force,
+						   w->limit_nodes, w->limit_sums,   w->limit_points, w->edge};
 		for (size_t k = 0; k < sizeof private / sizeof *private; k++)
 			free(private[k]);
 		free(w);
@@ -524,6 +541,9 @@ int mpm_state(struct mpm *mpm, struct mpm_state_array *arrays)
 	struct mpm_work *w = mpm_work(mpm);
 	size_t walls = (size_t)mpm->scene->n_walls;
 	int n = particles_state(&mpm->p, arrays, 0);
+	for (int l = 0; arrays && l < mpm->n_laws; l++)
+		if (mpm->laws[l]->type->write_out)
+			mpm->laws[l]->type->write_out(mpm->laws[l]);
 	for (int l = 0; l < mpm->n_laws; l++)
 		n = add_array(arrays, n, w->law_names[l], mpm->laws[l]->states, 'b',
 					  (size_t)mpm->laws[l]->n_points * mpm->laws[l]->state_bytes);
@@ -551,6 +571,9 @@ int mpm_restored(struct mpm *mpm)
 	if (mpm->step < 0 || mpm->stage < 0 || (mpm->stage > 0 && mpm->stage >= mpm->scene->n_stages))
 		return error_set(STATUS_INPUT, "the saved state is at step %lld of stage %d, which this scene does not have",
 						 mpm->step, mpm->stage);
+	for (int l = 0; l < mpm->n_laws; l++)
+		if (mpm->laws[l]->type->restored)
+			mpm->laws[l]->type->restored(mpm->laws[l]);
 	w->boundaries_stale = true;
 	w->residual_message[0] = '\0';
 	mpm->within_step = false;
@@ -563,7 +586,7 @@ int mpm_restored(struct mpm *mpm)
 size_t mpm_memory(const struct mpm *mpm)
 {
 	const struct mpm_work *w = mpm_work(mpm);
-	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, n = (size_t)mpm->p.n;
+	size_t nodes = w->n_nodes, n = (size_t)mpm->p.n;
 	size_t per_node = sizeof(struct node_sum) + 7 * sizeof(double) + (mpm->thermal ? 6 * sizeof(double) : 0) +
 					  (w->fixed_v ? 4 * sizeof(double) : 0) +
 					  ((w->confining != NULL) + (w->body_force != NULL)) * 2 * sizeof(double) + sizeof(int) +
@@ -572,6 +595,7 @@ size_t mpm_memory(const struct mpm *mpm)
 	size_t bytes = particles_bytes(&mpm->p) +
 				   n * (3 * sizeof(int) + particles_widest() + (w->way ? sizeof *w->way : 0)) + nodes * per_node +
 				   (size_t)w->wall_node_capacity * (sizeof(struct wall_node) + sizeof(struct wall_effect));
+	bytes += contact_memory(mpm);
 	for (int l = 0; l < mpm->n_laws; l++)
 		bytes += (size_t)mpm->laws[l]->n_points * mpm->laws[l]->state_bytes;
 	return bytes;

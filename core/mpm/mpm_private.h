@@ -9,6 +9,7 @@
 
 #include <math.h>
 
+#include "contact/contact.h"
 #include "mpm/mpm.h"
 #include "mpm/shape.h"
 
@@ -131,6 +132,7 @@ struct mpm_sums {
 	double scale;         /* J, most work done so far: what the residual is compared with */
 	double loss_most;     /* J, largest loss_numerical so far: what has come back since was made of nothing */
 	double limit_watched; /* 1: the next step is looked at, the limit is near or may have moved */
+	double work_contact_friction, loss_contact, heat_contacts;
 };
 
 /* How a material freezes.  Specific enthalpy J/kg, counted from all frozen at `low`: linear below, through the
@@ -151,9 +153,16 @@ struct point_heat {
 	double coefficient, ambient; /* W/(m2 K), K; 0 without convection */
 };
 
+struct contact; /* contact/private.h */
+
 struct mpm_work {
+	struct contact *contact; /* NULL: one field at every node */
+	size_t n_nodes;          /* entries of an array by node: the grid's, and behind them room for extra fields */
+	int n_rows;              /* of nodes now: the grid's, and behind them those of extra fields, nx slots a row */
 	struct shape_grid shape_grid;
+	struct shape_points shape_points;
 	double *half;                      /* by body: half a point's domain over h */
+	double (*edge)[4];                 /* by body: both edges of it, m */
 	int *law_start;                    /* n_laws + 1: the points of law l are stored from law_start[l] on */
 	char (*law_names)[SCENE_NAME + 8]; /* "laws/NAME", of the states in the checkpoint */
 	int *law_of_scene;                 /* scene law -> index in mpm->laws, -1 = has no points */
@@ -193,6 +202,7 @@ struct mpm_work {
 	struct point_heat *point_heats; /* the boundaries with a flux or convection */
 
 	int n_wall_nodes, wall_node_capacity, n_wall_groups;
+	int n_grid_wall_nodes, n_grid_wall_groups; /* of these, those at nodes of the grid; the others at extra fields */
 	struct wall_node *wall_nodes; /* by node, then wall */
 	struct wall_effect *wall_effects;
 	int *wall_group;           /* n_wall_groups + 1: the entries of one node */
@@ -226,6 +236,21 @@ struct mpm_work {
 static inline struct mpm_work *mpm_work(const struct mpm *mpm) { return mpm->work; }
 static inline bool mpm_parallel(const struct mpm *mpm) { return mpm->p.n >= PARALLEL_POINTS; }
 
+/* Fills the lists of n points. */
+static inline void mpm_lists(const struct mpm *mpm, int n, const int *point, struct shape_lists *lists)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	mpm->shape->fill(&w->shape_grid, &w->shape_points, n, point, lists);
+	if (w->contact)
+		contact_redirect(mpm, n, point, lists);
+}
+
+/* The grid's node of an entry of a list: the same, or that in whose place an extra field stands. */
+static inline int mpm_home(const struct mpm *mpm, int node)
+{
+	return mpm_work(mpm)->contact ? contact_home(mpm, node) : node;
+}
+
 /* The points of a stripe: order[first .. last - 1]. */
 static inline void mpm_stripe_points(const struct mpm_work *w, int stripe, int *first, int *last)
 {
@@ -252,7 +277,7 @@ static inline void mpm_point_conductivity(const struct mpm *mpm, int p, double c
 }
 
 /* ---- particles.c ---- */
-int particles_create(struct particles *p, int n, bool affine);
+int particles_create(struct particles *p, int n, bool affine, bool contacts);
 void particles_free(struct particles *p);
 /* New storage index k gets what was at permutation[k]. */
 void particles_permute(struct particles *p, const int *permutation, void *scratch);
@@ -330,6 +355,8 @@ bool wall_active(const struct mpm *mpm, int wall);
 bool wall_contains(const struct mpm *mpm, int wall, const double x[2], double tolerance);
 /* Looks again which walls are on, where they are and which nodes they hold. */
 void walls_update(struct mpm *mpm);
+/* What holds a node of the grid holds its extra fields. */
+void walls_add_fields(struct mpm *mpm);
 void walls_apply(struct mpm *mpm);
 void walls_hold(struct mpm *mpm);
 void walls_account(struct mpm *mpm);

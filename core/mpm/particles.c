@@ -47,6 +47,7 @@ static const struct column columns[] = {
 	COLUMN(heat_friction_sum, 'd', 1),
 	COLUMN(growth, 'd', 1),
 	COLUMN(affine, 'd', 4), /* with APIC only */
+	COLUMN(contact_pressure, 'd', 1), /* with contacts only */
 };
 
 enum { N_COLUMNS = sizeof columns / sizeof *columns };
@@ -64,12 +65,13 @@ static void *column_of(const struct particles *p, const struct column *column)
 /* Rounded up to whole cache lines, as aligned_alloc wants it. */
 static size_t padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
 
-int particles_create(struct particles *p, int n, bool affine)
+int particles_create(struct particles *p, int n, bool affine, bool contacts)
 {
 	memset(p, 0, sizeof *p);
 	p->n = n;
 	for (int c = 0; c < N_COLUMNS; c++) {
-		if (columns[c].offset == offsetof(struct particles, affine) && !affine)
+		if ((columns[c].offset == offsetof(struct particles, affine) && !affine) ||
+			(columns[c].offset == offsetof(struct particles, contact_pressure) && !contacts))
 			continue;
 		size_t bytes = padded((size_t)n * column_bytes(&columns[c]) + 1);
 		void *data = aligned_alloc(64, bytes);
@@ -161,7 +163,8 @@ enum particle_field {
 	FIELD_VOLUME,
 	FIELD_MASS,
 	FIELD_MODULUS,
-	FIELD_BODY
+	FIELD_BODY,
+	FIELD_CONTACT_PRESSURE
 };
 
 const struct field particle_fields[] = {
@@ -187,12 +190,16 @@ const struct field particle_fields[] = {
 	[FIELD_MASS] = {"mass", "kg", 1, "mass, with the grid's thickness"},
 	[FIELD_MODULUS] = {"modulus", "Pa", 1, "P-wave modulus"},
 	[FIELD_BODY] = {"body", "-", 1, "number of the body in the scene"},
+	[FIELD_CONTACT_PRESSURE] = {"contact_pressure", "Pa", 1,
+								"from other bodies in the last step, at points near a contact; only with contacts"},
 };
 const int particle_fields_count = sizeof particle_fields / sizeof *particle_fields;
 
 bool particle_field_applies(const struct scene *scene, int f)
 {
 	bool applies = f != FIELD_THAWED;
+	if (f == FIELD_CONTACT_PRESSURE)
+		return scene->n_contacts > 0;
 	for (int m = 0; m < scene->n_materials; m++)
 		applies = applies || !isnan(scene->materials[m].freezing[0]);
 	return applies;
@@ -290,6 +297,9 @@ static void point_field(const struct mpm *mpm, int f, int k, double *out)
 		break;
 	case FIELD_BODY:
 		*out = p->body[k];
+		break;
+	case FIELD_CONTACT_PRESSURE:
+		*out = p->contact_pressure[k];
 		break;
 	}
 }

@@ -63,7 +63,7 @@ INLINE void check_moved(struct mpm *mpm, struct mpm_work *w, int q, bool heat, s
 /* ---- APIC: the affine motion of a point, V + C (x - x_p) (Jiang and others 2015) ----
  *
  * A point carries B = sum w v (x_I - x_p)^T of the nodes' velocities, and C = B D^-1 with D = sum w (x_I - x_p)
- * (x_I - x_p)^T, which is diagonal because weights are tensor products.  B, not C, is what keeps angular momentum
+ * (x_I - x_p)^T, which is diagonal where weights are tensor products.  B, not C, is what keeps angular momentum
  * when the point has moved in its cell and D has changed.  With the linear shape D vanishes at the nodes, and the
  * identity B D^-1 = sum v (grad w)^T holds only where B was taken: there C itself is carried, at the price of the
  * angular momentum that D's change makes. */
@@ -72,7 +72,7 @@ INLINE void check_moved(struct mpm *mpm, struct mpm_work *w, int q, bool heat, s
 INLINE void first_node(const struct mpm *mpm, const struct shape_lists *lists, int at, int p, double r[2])
 {
 	const struct grid *grid = &mpm->grid;
-	int node = lists->node[at];
+	int node = mpm_home(mpm, lists->node[at]);
 	r[0] = grid->origin[0] + node % grid->nx * grid->spacing[0] - mpm->p.x[p][0];
 	r[1] = grid->origin[1] + node / grid->nx * grid->spacing[1] - mpm->p.x[p][1];
 }
@@ -93,14 +93,22 @@ INLINE void affine_matrix(const struct mpm *mpm, const struct shape_lists *lists
 		memcpy(C, B, 4 * sizeof *C);
 		return;
 	}
-	double D[2] = {0.0, 0.0};
+	double D[3] = {0.0, 0.0, 0.0};
 	for (int a = 0; a < side * side; a++) {
 		double x[2];
 		node_of_list(mpm, r, a, side, x);
 		D[0] += lists->weight[at + a] * x[0] * x[0];
 		D[1] += lists->weight[at + a] * x[1] * x[1];
+		if (!mpm->shape->tensor)
+			D[2] += lists->weight[at + a] * x[0] * x[1];
 	}
-	C[0] = B[0] / D[0], C[1] = B[1] / D[1], C[2] = B[2] / D[0], C[3] = B[3] / D[1];
+	if (mpm->shape->tensor) {
+		C[0] = B[0] / D[0], C[1] = B[1] / D[1], C[2] = B[2] / D[0], C[3] = B[3] / D[1];
+		return;
+	}
+	double s = 1.0 / (D[0] * D[1] - D[2] * D[2]);
+	for (int c = 0; c < 4; c += 2)
+		C[c] = s * (B[c] * D[1] - B[c + 1] * D[2]), C[c + 1] = s * (B[c + 1] * D[0] - B[c] * D[2]);
 }
 
 /* What the point is to carry: `share` of the nodes' velocities after the step. */

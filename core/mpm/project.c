@@ -42,17 +42,18 @@ INLINE void filter_stripe(struct mpm *mpm, struct mpm_work *w, int stripe, int n
 	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])p->x, p->body, w->half, &lists);
+		mpm_lists(mpm, n, chunk, &lists);
+		const int count = nodes == SHAPE_VARIES ? lists.nodes : nodes;
 		for (int k = 0; k < n; k++) {
-			const int *node = lists.node + k * nodes;
-			const double *weight = lists.weight + k * nodes;
+			const int *node = lists.node + k * count;
+			const double *weight = lists.weight + k * count;
 			double m = p->mass[chunk[k]], v[2] = {0.0, 0.0};
-			for (int a = 0; a < nodes; a++) {
+			for (int a = 0; a < count; a++) {
 				v[0] += weight[a] * w->projected[node[a]].term[0];
 				v[1] += weight[a] * w->projected[node[a]].term[1];
 			}
 			v[0] *= m, v[1] *= m;
-			for (int a = 0; a < nodes; a++) {
+			for (int a = 0; a < count; a++) {
 				w->projected[node[a]].back[0] += weight[a] * v[0];
 				w->projected[node[a]].back[1] += weight[a] * v[1];
 			}
@@ -67,7 +68,7 @@ static void filter_stripe_any(struct mpm *mpm, struct mpm_work *w, int stripe)
 	else if (mpm->shape->max_nodes == 4)
 		filter_stripe(mpm, w, stripe, 4);
 	else
-		filter_stripe(mpm, w, stripe, mpm->shape->max_nodes);
+		filter_stripe(mpm, w, stripe, SHAPE_VARIES);
 }
 
 /* The next term of the series. */
@@ -90,12 +91,12 @@ void mpm_filter_nodes(struct mpm *mpm)
 	if (!w->filtered)
 		return;
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		begin_filter_row(mpm, w, j);
 	for (int k = 1; k < mpm->scene->mpm.xpic_order; k++) {
 		mpm_each_stripe(mpm, filter_stripe_any);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-		for (int j = 0; j < mpm->grid.ny; j++)
+		for (int j = 0; j < w->n_rows; j++)
 			filter_row(mpm, w, j);
 	}
 }
@@ -111,7 +112,7 @@ static void clear_strain_row(struct mpm *mpm, struct mpm_work *w, int j)
 }
 
 /* back = m_I S+ V, with the affine motion of APIC. */
-INLINE void momentum_stripe(struct mpm *mpm, struct mpm_work *w, int stripe, int side)
+INLINE void momentum_stripe(struct mpm *mpm, struct mpm_work *w, int stripe, int sides)
 {
 	struct shape_lists lists;
 	const struct particles *p = &mpm->p;
@@ -119,7 +120,8 @@ INLINE void momentum_stripe(struct mpm *mpm, struct mpm_work *w, int stripe, int
 	mpm_stripe_points(w, stripe, &first, &last);
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])p->x, p->body, w->half, &lists);
+		mpm_lists(mpm, n, chunk, &lists);
+		const int side = sides == SHAPE_VARIES ? lists.side : sides;
 		for (int k = 0; k < n; k++) {
 			int at = k * side * side, q = chunk[k];
 			double r[2] = {0.0, 0.0}, C[4] = {0.0, 0.0, 0.0, 0.0};
@@ -146,7 +148,7 @@ static void momentum_stripe_any(struct mpm *mpm, struct mpm_work *w, int stripe)
 	else if (mpm->shape->max_nodes == 4)
 		momentum_stripe(mpm, w, stripe, 2);
 	else
-		momentum_stripe(mpm, w, stripe, (int)lround(sqrt(mpm->shape->max_nodes)));
+		momentum_stripe(mpm, w, stripe, SHAPE_VARIES);
 }
 
 static void strain_row(struct mpm *mpm, struct mpm_work *w, int j)
@@ -174,14 +176,14 @@ static void strain_velocities(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		clear_strain_row(mpm, w, j);
 	mpm_each_stripe(mpm, momentum_stripe_any);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		strain_row(mpm, w, j);
 	walls_hold(mpm);
-	for (int j = 0; j < mpm->grid.ny && w->fixed_v; j++)
+	for (int j = 0; j < w->n_rows && w->fixed_v; j++)
 		impose_strain_row(mpm, w, j);
 }
 
@@ -190,17 +192,17 @@ static void strain_block(struct mpm *mpm, struct mpm_work *w, int block)
 {
 	struct shape_lists lists;
 	struct particles *p = &mpm->p;
-	const int nodes = mpm->shape->max_nodes, first = block * BLOCK_POINTS;
+	const int first = block * BLOCK_POINTS;
 	const int last = first + BLOCK_POINTS < w->n_inside ? first + BLOCK_POINTS : w->n_inside;
 	w->strain_power[block] = 0.0;
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])p->x, p->body, w->half, &lists);
+		mpm_lists(mpm, n, chunk, &lists);
 		for (int k = 0; k < n; k++) {
 			int q = chunk[k];
 			double *L = p->L[q];
 			memset(L, 0, sizeof p->L[q]);
-			for (int a = k * nodes; a < (k + 1) * nodes; a++) {
+			for (int a = k * lists.nodes; a < (k + 1) * lists.nodes; a++) {
 				const double *u = w->projected[lists.node[a]].strain;
 				L[0] += u[0] * lists.grad_x[a], L[1] += u[0] * lists.grad_y[a];
 				L[2] += u[1] * lists.grad_x[a], L[3] += u[1] * lists.grad_y[a];

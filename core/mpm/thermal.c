@@ -107,8 +107,9 @@ static void lift_point(const struct mpm *mpm, struct mpm_work *w, const struct s
 		int node = lists->node[at + a];
 		if (isnan(w->fixed_T[node]))
 			continue;
-		double x = grid->origin[0] + node % grid->nx * grid->spacing[0],
-			   y = grid->origin[1] + node / grid->nx * grid->spacing[1];
+		int home = mpm_home(mpm, node);
+		double x = grid->origin[0] + home % grid->nx * grid->spacing[0],
+			   y = grid->origin[1] + home / grid->nx * grid->spacing[1];
 		w->fixed_lift[node] +=
 			capacity * lists->weight[at + a] * (gx * (x - mpm->p.x[p][0]) + gy * (y - mpm->p.x[p][1]));
 	}
@@ -155,18 +156,19 @@ static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, s
 	struct stripe_sum *sum = &w->stripe_sums[stripe];
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])points->x, points->body, w->half, &lists);
+		mpm_lists(mpm, n, chunk, &lists);
+		const int count = nodes == SHAPE_VARIES ? lists.nodes : nodes;
 		for (int k = 0; k < n; k++) {
 			int p = chunk[k];
 			double source = points->heat_pending[p] / w->thermal_dt; /* W */
 			if (w->n_point_heats) {
-				double T = temperature_at(mpm->grid.T_new, &lists, k * nodes, nodes);
+				double T = temperature_at(mpm->grid.T_new, &lists, k * count, count);
 				double flow = boundary_heat(w, points->x[p], T) * mat2_determinant(points->F[p]) * points->volume0[p];
 				sum->heat_in += flow > 0.0 ? flow * dt : 0.0;
 				sum->heat_out -= flow < 0.0 ? flow * dt : 0.0;
 				source += flow;
 			}
-			scatter_flow(mpm, w, &lists, k * nodes, p, nodes, source, first_pass);
+			scatter_flow(mpm, w, &lists, k * count, p, count, source, first_pass);
 			if (last_pass) {
 				sum->heat_given += points->heat_pending[p];
 				points->heat_friction_sum[p] += points->heat_pending[p] / points->volume0[p];
@@ -184,30 +186,34 @@ static void scatter_flows(struct mpm *mpm, struct mpm_work *w, double dt, bool f
 		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
 			if (nodes == 9)
 				flow_stripe(mpm, w, stripe, 9, dt, first_pass, last_pass);
+			else if (nodes == 4)
+				flow_stripe(mpm, w, stripe, 4, dt, first_pass, last_pass);
 			else
-				flow_stripe(mpm, w, stripe, nodes, dt, first_pass, last_pass);
+				flow_stripe(mpm, w, stripe, SHAPE_VARIES, dt, first_pass, last_pass);
 	}
 }
 
 void mpm_heat_nodes(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-	int passes = mpm->scene->time.thermal_steps, ny = mpm->grid.ny;
+	int passes = mpm->scene->time.thermal_steps, rows = w->n_rows;
 	double dt = w->thermal_dt / passes;
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < ny; j++)
+	for (int j = 0; j < rows; j++)
 		begin_row(mpm, w, j);
 	for (int pass = 0; pass < passes; pass++) {
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-		for (int j = 0; j < ny; j++)
+		for (int j = 0; j < rows; j++)
 			source_row(mpm, w, j);
 		scatter_flows(mpm, w, dt, pass == 0, pass == passes - 1);
+		if (w->contact)
+			contact_exchange_heat(mpm, dt);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-		for (int j = 0; j < ny; j++)
+		for (int j = 0; j < rows; j++)
 			advance_row(mpm, w, j, dt);
 	}
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < ny; j++)
+	for (int j = 0; j < rows; j++)
 		w->heat_sums[j] = end_row(mpm, w, j);
 }
 
@@ -218,10 +224,10 @@ static void lift_at_birth(struct mpm *mpm, struct mpm_work *w)
 	for (int i = 0; i < w->n_inside; i++) {
 		int p = w->order[i];
 		const double *g = mpm->scene->bodies[mpm->p.body[p]].temperature_gradient;
-		mpm->shape->fill(&w->shape_grid, 1, &p, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
-		lift_point(mpm, w, &lists, 0, p, mpm->shape->max_nodes, g[0], g[1]);
+		mpm_lists(mpm, 1, &p, &lists);
+		lift_point(mpm, w, &lists, 0, p, lists.nodes, g[0], g[1]);
 	}
-	for (int node = 0; node < mpm->grid.nx * mpm->grid.ny; node++)
+	for (size_t node = 0; node < w->n_nodes; node++)
 		if (!isnan(w->fixed_T[node]) && w->sums[node].capacity > 0.0)
 			mpm->grid.T[node] += w->fixed_lift[node] / w->sums[node].capacity;
 }
@@ -231,13 +237,13 @@ void mpm_remap_temperature(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	struct shape_lists lists;
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		begin_row(mpm, w, j);
 	if (w->imposes_T)
 		lift_at_birth(mpm, w);
 	for (int i = 0; i < w->n_inside; i++) {
 		int p = w->order[i];
-		mpm->shape->fill(&w->shape_grid, 1, &p, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
-		mpm->p.T_smooth[p] = temperature_at(mpm->grid.T, &lists, 0, mpm->shape->max_nodes);
+		mpm_lists(mpm, 1, &p, &lists);
+		mpm->p.T_smooth[p] = temperature_at(mpm->grid.T, &lists, 0, lists.nodes);
 	}
 }

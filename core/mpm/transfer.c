@@ -15,16 +15,16 @@ enum {
 	PART_STRAIN = 32   /* USL: points strain with the velocities that move them */
 };
 
-static int side_of(int nodes) { return nodes == 9 ? 3 : nodes == 4 ? 2 : (int)lround(sqrt(nodes)); }
+static inline int side_of(int nodes) { return nodes == 16 ? 4 : nodes == 9 ? 3 : 2; }
 
 /* ---- points to grid ---- */
 
 void mpm_clear_grid(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
-	int nx = mpm->grid.nx, ny = mpm->grid.ny;
+	int nx = mpm->grid.nx, rows = w->n_rows;
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < ny; j++) {
+	for (int j = 0; j < rows; j++) {
 		int low = w->row_low[j], n = w->row_high[j] - low + 1;
 		memset(mpm->grid.mass + (size_t)j * (size_t)nx, 0, (size_t)nx * sizeof *mpm->grid.mass);
 		if (n <= 0)
@@ -102,25 +102,34 @@ INLINE void check_point_heat(const struct mpm *mpm, struct stripe_sum *sum, int 
 		sum->bad = p;
 }
 
+INLINE void scatter_chunk(const struct mpm *mpm, struct mpm_work *w, const struct shape_lists *lists, const int *chunk,
+						  int n, int nodes, int parts, struct stripe_sum *sum)
+{
+	const struct particles *points = &mpm->p;
+	for (int k = 0; k < n; k++) {
+		double volume = mat2_determinant(points->F[chunk[k]]) * points->volume0[chunk[k]];
+		check_point(mpm, sum, chunk[k], volume);
+		if (parts & PART_HEAT)
+			check_point_heat(mpm, sum, chunk[k], volume);
+		scatter_point(mpm, w, lists, k * nodes, chunk[k], nodes, parts, volume);
+		if (parts & PART_AFFINE)
+			scatter_affine(mpm, w, lists, k * nodes, chunk[k], side_of(nodes));
+	}
+}
+
 INLINE void scatter_stripe(const struct mpm *mpm, struct mpm_work *w, int stripe, int nodes, int parts)
 {
 	struct shape_lists lists;
-	const struct particles *points = &mpm->p;
-	int first, last, side = side_of(nodes);
+	int first, last;
 	mpm_stripe_points(w, stripe, &first, &last);
 	struct stripe_sum sum = {.stiffest = -1, .most_diffusive = -1, .bad = -1};
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])points->x, points->body, w->half, &lists);
-		for (int k = 0; k < n; k++) {
-			double volume = mat2_determinant(points->F[chunk[k]]) * points->volume0[chunk[k]];
-			check_point(mpm, &sum, chunk[k], volume);
-			if (parts & PART_HEAT)
-				check_point_heat(mpm, &sum, chunk[k], volume);
-			scatter_point(mpm, w, &lists, k * nodes, chunk[k], nodes, parts, volume);
-			if (parts & PART_AFFINE)
-				scatter_affine(mpm, w, &lists, k * nodes, chunk[k], side);
-		}
+		mpm_lists(mpm, n, chunk, &lists);
+		if (nodes == SHAPE_MAX_NODES && lists.nodes == 9)
+			scatter_chunk(mpm, w, &lists, chunk, n, 9, parts, &sum);
+		else
+			scatter_chunk(mpm, w, &lists, chunk, n, nodes, parts, &sum);
 	}
 	w->stripe_sums[stripe] = sum;
 }
@@ -148,7 +157,7 @@ static void scatter_stripe_any(struct mpm *mpm, struct mpm_work *w, int stripe)
 	else if (nodes == 4)
 		scatter_stripe_of(mpm, w, stripe, 4, parts);
 	else
-		scatter_stripe(mpm, w, stripe, nodes, parts);
+		scatter_stripe_of(mpm, w, stripe, SHAPE_MAX_NODES, parts);
 }
 
 void mpm_each_stripe(struct mpm *mpm, void (*scatter)(struct mpm *, struct mpm_work *, int))
@@ -212,13 +221,15 @@ void mpm_integrate_nodes(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		integrate_row(mpm, w, j);
+	if (w->contact)
+		contact_apply(mpm);
 	walls_apply(mpm);
 	if (!w->fixed_v)
 		return;
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		impose_velocities(mpm, w, j);
 }
 
@@ -258,9 +269,11 @@ void mpm_finish_nodes(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int j = 0; j < mpm->grid.ny; j++)
+	for (int j = 0; j < w->n_rows; j++)
 		w->row_sums[j] = finish_row(mpm, w, j);
 	walls_account(mpm);
+	if (w->contact)
+		contact_account(mpm);
 }
 
 /* ---- grid to points ---- */
@@ -347,39 +360,48 @@ void point_park(struct particles *p, int k, struct block_sum *sum)
 	p->dT[k] = 0.0;
 }
 
+INLINE void gather_chunk(struct mpm *mpm, struct mpm_work *w, const struct shape_lists *lists, const int *chunk, int n,
+						 int nodes, int parts, struct block_sum *sum)
+{
+	struct particles *p = &mpm->p;
+	const double dt = mpm->dt;
+	for (int k = 0; k < n; k++) {
+		int q = chunk[k];
+		struct gathered g = gather_point(&mpm->grid, w, lists, k * nodes, nodes, parts);
+		if (parts & PART_AFFINE)
+			affine_gather(mpm, lists, k * nodes, q, side_of(nodes), 1.0 - w->alpha_p - w->alpha_g);
+		move_point(p, q, &g, w, dt, parts, parts & PART_STRAIN || !w->way ? p->x[q] : w->way[q], sum);
+		if (parts & PART_STRAIN) {
+			memcpy(p->L[q], g.L, sizeof g.L);
+			deform(p->F[q], g.L, dt);
+		}
+		if (parts & PART_HEAT) {
+			if (w->freezes && w->freezing[p->material[q]].on)
+				freezing_absorb(mpm, q, g.dT);
+			else
+				p->T[q] += g.dT;                 /* eq. 28 */
+			p->dT[q] = g.T_new - p->T_smooth[q]; /* eq. 29 feeds the law only */
+			p->T_smooth[q] = g.T_new;
+		} else if (mpm->thermal) {
+			p->dT[q] = 0.0; /* a mechanical step between two thermal ones */
+		}
+		check_moved(mpm, w, q, parts & PART_HEAT, sum);
+	}
+}
+
 INLINE void gather_block(struct mpm *mpm, struct mpm_work *w, int block, int nodes, int parts)
 {
 	struct shape_lists lists;
-	struct particles *p = &mpm->p;
-	const double dt = mpm->dt;
-	const int side = side_of(nodes), first = block * BLOCK_POINTS;
+	const int first = block * BLOCK_POINTS;
 	const int last = first + BLOCK_POINTS < w->n_inside ? first + BLOCK_POINTS : w->n_inside;
 	struct block_sum sum = {.bad = -1, .left = -1};
 	for (int i = first; i < last; i += SHAPE_CHUNK) {
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm->shape->fill(&w->shape_grid, n, chunk, (const double(*)[2])p->x, p->body, w->half, &lists);
-		for (int k = 0; k < n; k++) {
-			int q = chunk[k];
-			struct gathered g = gather_point(&mpm->grid, w, &lists, k * nodes, nodes, parts);
-			if (parts & PART_AFFINE)
-				affine_gather(mpm, &lists, k * nodes, q, side, 1.0 - w->alpha_p - w->alpha_g);
-			move_point(p, q, &g, w, dt, parts, parts & PART_STRAIN || !w->way ? p->x[q] : w->way[q], &sum);
-			if (parts & PART_STRAIN) {
-				memcpy(p->L[q], g.L, sizeof g.L);
-				deform(p->F[q], g.L, dt);
-			}
-			if (parts & PART_HEAT) {
-				if (w->freezes && w->freezing[p->material[q]].on)
-					freezing_absorb(mpm, q, g.dT);
-				else
-					p->T[q] += g.dT;                 /* eq. 28 */
-				p->dT[q] = g.T_new - p->T_smooth[q]; /* eq. 29 feeds the law only */
-				p->T_smooth[q] = g.T_new;
-			} else if (mpm->thermal) {
-				p->dT[q] = 0.0; /* a mechanical step between two thermal ones */
-			}
-			check_moved(mpm, w, q, parts & PART_HEAT, &sum);
-		}
+		mpm_lists(mpm, n, chunk, &lists);
+		if (nodes == SHAPE_MAX_NODES && lists.nodes == 9)
+			gather_chunk(mpm, w, &lists, chunk, n, 9, parts, &sum);
+		else
+			gather_chunk(mpm, w, &lists, chunk, n, nodes, parts, &sum);
 	}
 	w->block_sums[block] = sum;
 }
@@ -419,7 +441,7 @@ static void gather_block_any(struct mpm *mpm, struct mpm_work *w, int block)
 	else if (nodes == 4)
 		gather_block_of(mpm, w, block, 4, parts);
 	else
-		gather_block(mpm, w, block, nodes, parts);
+		gather_block_of(mpm, w, block, SHAPE_MAX_NODES, parts);
 }
 
 void mpm_grid_to_points(struct mpm *mpm)

@@ -281,6 +281,7 @@ void walls_update(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	bool changed = false;
+	w->n_wall_nodes = w->n_grid_wall_nodes, w->n_wall_groups = w->n_grid_wall_groups;
 	for (int wall = 0; wall < mpm->scene->n_walls; wall++) {
 		bool on = wall_active(mpm, wall);
 		const double *at = mpm->wall_offset[wall], *found = w->wall_found[wall];
@@ -302,7 +303,40 @@ void walls_update(struct mpm *mpm)
 		if (e == 0 || w->wall_nodes[e].node != w->wall_nodes[e - 1].node)
 			w->wall_group[w->n_wall_groups++] = e;
 	w->wall_group[w->n_wall_groups] = w->n_wall_nodes;
+	w->n_grid_wall_nodes = w->n_wall_nodes, w->n_grid_wall_groups = w->n_wall_groups;
 	w->boundaries_stale = true; /* walls impose temperatures too */
+}
+
+/* The group of contacts of a node of the grid, -1 = none. */
+static int group_of(const struct mpm_work *w, int node)
+{
+	int low = 0, high = w->n_grid_wall_groups;
+	while (low < high) {
+		int middle = (low + high) / 2;
+		if (w->wall_nodes[w->wall_group[middle]].node < node)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low < w->n_grid_wall_groups && w->wall_nodes[w->wall_group[low]].node == node ? low : -1;
+}
+
+void walls_add_fields(struct mpm *mpm)
+{
+	struct mpm_work *w = mpm_work(mpm);
+	int nodes = mpm->grid.nx * mpm->grid.ny;
+	w->n_wall_nodes = w->n_grid_wall_nodes, w->n_wall_groups = w->n_grid_wall_groups;
+	for (int slot = nodes; slot < nodes + contact_slots_used(mpm); slot++) {
+		int group = group_of(w, mpm_home(mpm, slot));
+		if (group < 0)
+			continue;
+		for (int e = w->wall_group[group]; e < w->wall_group[group + 1]; e++) {
+			struct wall_node contact = w->wall_nodes[e];
+			contact.node = slot;
+			add_contact(w, &contact);
+		}
+		w->wall_group[++w->n_wall_groups] = w->n_wall_nodes;
+	}
 }
 
 /* ---- contact ---- */
@@ -394,7 +428,7 @@ void walls_hold(struct mpm *mpm)
 
 /* Where the work of a contact went: its impulse times the wall's velocity is work done by the wall; times the
  * mean slip it is friction; times the mean normal velocity it is lost in the impact. */
-static void contact_account(struct mpm *mpm, struct mpm_work *w, int e)
+static void wall_contact_account(struct mpm *mpm, struct mpm_work *w, int e)
 {
 	struct wall_effect *effect = &w->wall_effects[e];
 	const struct scene_wall *s = &mpm->scene->walls[w->wall_nodes[e].wall];
@@ -420,7 +454,7 @@ void walls_account(struct mpm *mpm)
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int g = 0; g < w->n_wall_groups; g++)
 		for (int e = w->wall_group[g]; e < w->wall_group[g + 1]; e++)
-			contact_account(mpm, w, e);
+			wall_contact_account(mpm, w, e);
 }
 
 void walls_move(struct mpm *mpm)
@@ -469,12 +503,14 @@ int walls_create(struct mpm *mpm)
 		capacity += most_contacts(mpm, wall);
 		heats = heats || mpm->scene->walls[wall].heat_share > 0.0;
 	}
+	/* each extra field may meet as many walls as a node does */
+	capacity += (size_t)(contact_slots(mpm) * 2 * mpm->scene->n_walls);
 	w->wall_node_capacity = (int)capacity;
 	w->wall_nodes = calloc(capacity, sizeof *w->wall_nodes);
 	w->wall_effects = calloc(capacity, sizeof *w->wall_effects);
 	w->wall_group = calloc(capacity + 1, sizeof *w->wall_group);
 	if (heats && mpm->thermal)
-		w->wall_heat = calloc((size_t)mpm->grid.nx * (size_t)mpm->grid.ny, sizeof *w->wall_heat);
+		w->wall_heat = calloc(w->n_nodes, sizeof *w->wall_heat);
 	if (!w->wall_nodes || !w->wall_effects || !w->wall_group || (heats && mpm->thermal && !w->wall_heat))
 		return error_set(STATUS_RESOURCE, "out of memory for the nodes of %zu walls", n);
 	return STATUS_OK;

@@ -152,6 +152,8 @@ int bench_mpm(bool json)
 		{"mpm_linear_10k", "linear", 50, false},      {"mpm_linear_100k", "linear", 158, false},
 		{"mpm_ugimp_10k", "ugimp", 50, false},        {"mpm_ugimp_100k", "ugimp", 158, false},
 		{"mpm_ugimp_thermal_10k", "ugimp", 50, true}, {"mpm_ugimp_thermal_100k", "ugimp", 158, true},
+		{"mpm_cpdi_10k", "cpdi", 50, false},          {"mpm_cpdi_100k", "cpdi", 158, false},
+		{"mpm_cpdi_thermal_10k", "cpdi", 50, true},   {"mpm_cpdi_thermal_100k", "cpdi", 158, true},
 	};
 	static const struct scheme_case schemes[] = {
 		{"mpm_xpic1", MPM_XPIC, MPM_USL, 1}, {"mpm_xpic2", MPM_XPIC, MPM_USL, 2}, {"mpm_xpic3", MPM_XPIC, MPM_USL, 3},

@@ -190,6 +190,14 @@ static void add_discs(struct frame_builder *builder, const struct demo_disc *dis
 			 "\xcf\x83xx = \xe2\x88\x92"
 			 "12.1 kPa, \xcf\x83yy = \xe2\x88\x92"
 			 "8.4 kPa, e = 0.163, coordination 3.9");
+	channel->rve = (struct frame_rve){.time = 0.5,
+									  .point = 412,
+									  .stress = {-12.1e3, -8.4e3, 0, 1.3e3},
+									  .strain = {0.012, -0.015, 0, 0.002},
+									  .fabric = {0.56, 0.44, 0.03},
+									  .void_ratio = 0.163,
+									  .coordination = 3.9,
+									  .temperature = 23.5};
 	double(*x)[3] = frame_array_add(builder, "coordinates", "m", FRAME_GEOMETRY, FRAME_F64, 3, n);
 	for (int i = 0; x && i < n; i++) {
 		x[i][0] = H[0] * discs[i].s[0] + H[1] * discs[i].s[1];

@@ -18,7 +18,7 @@
 extern "C" {
 #endif
 
-enum { FRAME_NAME = 64, FRAME_UNIT = 16, FRAME_VERSION = 1, FRAME_MAGIC = 0x50444d54 };
+enum { FRAME_NAME = 64, FRAME_UNIT = 16, FRAME_VERSION = 2, FRAME_MAGIC = 0x50444d54 };
 
 enum frame_type { FRAME_F64 = 1, FRAME_F32, FRAME_I32, FRAME_I64, FRAME_U8 };
 enum frame_location { FRAME_POINT = 0, FRAME_CELL = 1, FRAME_GEOMETRY = 2 };
@@ -41,6 +41,22 @@ struct frame_array {
 	int64_t offset;     /* bytes from the start of the slot */
 };
 
+/* What is known of an RVE as a whole, beside its discs and contacts. */
+enum frame_rve_flag { FRAME_RVE_FLYING = 1, FRAME_RVE_FROZEN = 2 };
+struct frame_rve {
+	double time;        /* s, of this RVE */
+	int64_t point;      /* id; -1: it belongs to no point (a packing, an RVE driven alone) */
+	double stress[4];   /* Pa, xx yy zz xy, tension positive */
+	double strain[4];   /* Hencky strain ln U, xx yy zz xy */
+	double fabric[3];   /* mean n n of the contact normals, xx yy xy; 0 without contacts */
+	double void_ratio, coordination;
+	double temperature; /* in the frame's unit; NAN = unknown */
+	int32_t bonds_installed, bonds_intact;
+	int32_t flags;      /* enum frame_rve_flag */
+	int32_t pad;
+	char rule[32];      /* that chose the point ("hottest"); "" = it is a fixed one */
+};
+
 struct frame_channel {
 	char name[FRAME_NAME]; /* points, domains, grid, walls, rve_NAME_discs, rve_NAME_contacts */
 	int32_t kind;          /* enum frame_kind */
@@ -50,6 +66,7 @@ struct frame_channel {
 	double origin[2], spacing[2]; /* m */
 	double cell_matrix[4]; /* RVE channels: H, columns are the lattice vectors, m; else 0 */
 	char note[256];        /* RVE channels: "p = 9.8 kPa, e = 0.243 ..." ; else "" */
+	struct frame_rve rve;  /* RVE channels; else 0 */
 };
 
 struct frame_header {
@@ -69,6 +86,7 @@ struct frame_image {
 	char field[FRAME_NAME];
 	int32_t component;     /* -1 magnitude or scalar */
 	char rve[FRAME_NAME];
+	char before[FRAME_NAME]; /* an RVE that is drawn on its left, as it was before; "" = none */
 	double view[4];        /* m: xmin ymin xmax ymax; NAN = all there is (channel "grid" if sent) */
 	int32_t size[2];       /* pixels */
 	char map[FRAME_NAME];  /* viridis, inferno, coolwarm (diverging: an automatic range is symmetric) */
@@ -80,21 +98,31 @@ struct frame_image {
 /* The descriptors that the viewer inherits, beside 0, 1, 2 (log). */
 enum { FRAME_FD_SOCKET = 3, FRAME_FD_MEMORY = 4 };
 
-/* Messages (one packet each).  Engine to viewer: IMAGES (then n packets of struct frame_image), DRAW, QUIT.
- * Viewer to engine: READY (answers IMAGES), DONE or FAILED (text) for each DRAW: its slot is free again;
- * FAILED with slot -1: the viewer cannot work and ends.  What else it has to say goes to its log. */
+/* Messages, one packet each.  The first says what this viewer process is for:
+ * IMAGES (then n packets of struct frame_image), SCRIPTS (then n packets SCRIPT: ParaView Catalyst pipelines) or LIVE
+ * (a ParaView that watches).  The viewer answers READY, or FAILED with slot -1: it cannot work and ends.
+ *
+ * Then the engine sends DRAW (a picture) or FRAME (scripts and live) for a slot that it has filled, and QUIT at the end.
+ * The viewer answers DONE or FAILED (text): the slot is free again; or KEPT: the frame has been dealt with, but VTK still
+ * refers to the slot, which a later DONE frees.  What else it has to say:
+ * NOTE for the run's log, LINK when a live client has come (n = 1) or gone (n = 0), STEER with a command of that client
+ * ("pause=1"). */
 enum frame_message_kind {
-	FRAME_MSG_IMAGES = 1, FRAME_MSG_DRAW, FRAME_MSG_QUIT,
-	FRAME_MSG_READY = 100, FRAME_MSG_DONE, FRAME_MSG_FAILED
+	FRAME_MSG_IMAGES = 1, FRAME_MSG_DRAW, FRAME_MSG_QUIT, FRAME_MSG_SCRIPTS, FRAME_MSG_SCRIPT, FRAME_MSG_LIVE,
+	FRAME_MSG_FRAME,
+	FRAME_MSG_READY = 100, FRAME_MSG_DONE, FRAME_MSG_FAILED, FRAME_MSG_KEPT, FRAME_MSG_NOTE, FRAME_MSG_LINK,
+	FRAME_MSG_STEER
 };
+
+enum { FRAME_TEXT = 1024 };
 
 struct frame_message {
 	int32_t kind;
-	int32_t slot;           /* DRAW, DONE */
-	int64_t offset, bytes;  /* DRAW: where in the memory file the slot lies */
-	int32_t image;          /* DRAW: index into the images; -1 = none (other sinks) */
-	int32_t n;              /* IMAGES: how many */
-	char text[1024];        /* DRAW: path of the PNG; FAILED: message */
+	int32_t slot;           /* DRAW, FRAME, DONE, KEPT, FAILED */
+	int64_t offset, bytes;  /* DRAW, FRAME: where in the memory file the slot lies */
+	int32_t image;          /* DRAW: index into the images */
+	int32_t n;              /* IMAGES, SCRIPTS: how many; LIVE: the port; LINK; FRAME: 1 = the last of the run */
+	char text[FRAME_TEXT];  /* DRAW: path of the PNG; SCRIPTS: folder to work in; SCRIPT: its path; LIVE: host; else words */
 };
 
 /* ---- reading a frame ---- */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "rve/rve.h"
+#include "run/frame_rve.h"
 
 struct frame_work {
 	struct frame_builder *builder;
@@ -168,141 +168,28 @@ static void frame_walls(struct frame_work *work)
 
 /* ---- RVEs ---- */
 
-/* One member of n structs, `stride` bytes apart, as an array; `first` is that of the first. */
-static void frame_reals(struct frame_work *work, const char *name, const char *unit, int location, int n,
-						const double *first, size_t stride)
-{
-	double *to = frame_new_array(work, name, unit, location, FRAME_F64, 1, n);
-	for (int k = 0; to && k < n; k++)
-		to[k] = *(const double *)((const char *)first + (size_t)k * stride);
-}
-
-static void frame_integers(struct frame_work *work, const char *name, int location, int n, const int *first,
-						   size_t stride)
-{
-	int32_t *to = frame_new_array(work, name, "-", location, FRAME_I32, 1, n);
-	for (int k = 0; to && k < n; k++)
-		to[k] = *(const int *)((const char *)first + (size_t)k * stride);
-}
-
-static void frame_discs(struct frame_work *work, const char *name, const struct rve_disc *discs, int n,
-						const double H[4], const char *note, double temperature)
-{
-	char channel_name[FRAME_NAME];
-	snprintf(channel_name, sizeof channel_name, "rve_%.48s_discs", name);
-	struct frame_channel *channel = frame_new_channel(work, channel_name, FRAME_VERTICES, n, n);
-	if (!channel)
-		return;
-	memcpy(channel->cell_matrix, H, sizeof channel->cell_matrix);
-	snprintf(channel->note, sizeof channel->note, "%s", note);
-	double(*x)[3] = frame_coordinates(work, n);
-	for (int i = 0; x && i < n; i++)
-		x[i][0] = discs[i].x, x[i][1] = discs[i].y;
-	frame_reals(work, "radius", "m", FRAME_POINT, n, &discs->radius, sizeof *discs);
-	double(*u)[3] = frame_new_array(work, "displacement", "m", FRAME_POINT, FRAME_F64, 3, n);
-	for (int i = 0; u && i < n; i++)
-		u[i][0] = discs[i].displacement[0], u[i][1] = discs[i].displacement[1];
-	frame_reals(work, "rotation", "rad", FRAME_POINT, n, &discs->rotation, sizeof *discs);
-	frame_integers(work, "coordination", FRAME_POINT, n, &discs->contacts, sizeof *discs);
-	frame_reals(work, "temperature", scene_temperature_unit(work->mpm->scene), FRAME_POINT, n, &temperature, 0);
-}
-
-/* Contacts across the cell's border twice, once at each border, so that force chains can be read there;
- * `image` marks the second copy. */
-static int frame_expand_contacts(struct rve_contact *contacts, int *image, int n, const double H[4])
-{
-	int total = n;
-	for (int k = 0; k < n; k++) {
-		image[k] = 0;
-		int sx = contacts[k].shift[0], sy = contacts[k].shift[1];
-		if (!sx && !sy)
-			continue;
-		contacts[total] = contacts[k];
-		image[total] = 1;
-		for (int end = 0; end < 2; end++) {
-			contacts[total].ends[end][0] -= H[0] * sx + H[1] * sy;
-			contacts[total].ends[end][1] -= H[2] * sx + H[3] * sy;
-		}
-		total++;
-	}
-	return total;
-}
-
-static void frame_contact_numbers(struct frame_work *work, const struct rve_contact *contacts, const int *image, int n)
-{
-	size_t stride = sizeof *contacts;
-	frame_reals(work, "normal_force", "N", FRAME_CELL, n, &contacts->normal_force, stride);
-	frame_reals(work, "tangential_force", "N", FRAME_CELL, n, &contacts->tangential_force, stride);
-	frame_reals(work, "mobilisation", "-", FRAME_CELL, n, &contacts->mobilisation, stride);
-	frame_integers(work, "sliding", FRAME_CELL, n, &contacts->sliding, stride);
-	frame_integers(work, "bond", FRAME_CELL, n, &contacts->bond, stride);
-	frame_integers(work, "image", FRAME_CELL, n, image, sizeof *image);
-}
-
-static void frame_contacts(struct frame_work *work, const char *name, const struct rve_contact *contacts,
-						   const int *image, int n, const double H[4], const char *note)
-{
-	char channel_name[FRAME_NAME];
-	snprintf(channel_name, sizeof channel_name, "rve_%.48s_contacts", name);
-	struct frame_channel *channel = frame_new_channel(work, channel_name, FRAME_SEGMENTS, 2 * (int64_t)n, n);
-	if (!channel)
-		return;
-	memcpy(channel->cell_matrix, H, sizeof channel->cell_matrix);
-	snprintf(channel->note, sizeof channel->note, "%s", note);
-	double(*x)[3] = frame_coordinates(work, 2 * (int64_t)n);
-	for (int k = 0; x && k < n; k++)
-		for (int end = 0; end < 2; end++)
-			x[2 * k + end][0] = contacts[k].ends[end][0], x[2 * k + end][1] = contacts[k].ends[end][1];
-	frame_contact_numbers(work, contacts, image, n);
-}
-
-static void frame_rve_note(const struct mpm *mpm, const struct rve_info *info, int point, char note[256])
-{
-	int n = snprintf(note, 256, "p = %.3g kPa, e = %.3f, Z = %.2f", info->pressure * 1e-3, info->void_ratio,
-					 info->coordination);
-	if (mpm->thermal)
-		n += snprintf(note + n, 256 - (size_t)n, ", T = %.5g %s%s", scene_temperature_out(mpm->scene, mpm->p.T[point]),
-					  mpm->scene->units.celsius ? "\302\260" : "", scene_temperature_unit(mpm->scene));
-	if (info->bonds_installed > 0)
-		n += snprintf(note + n, 256 - (size_t)n, ", bonds %.0f%%", 100.0 * info->bond_fraction);
-	if (info->flags & RVE_GAS)
-		n += snprintf(note + n, 256 - (size_t)n, ", flying");
-	if (info->flags & RVE_FROZEN)
-		snprintf(note + n, 256 - (size_t)n, ", frozen");
-}
-
-static void frame_rve(struct frame_work *work, const struct scene_inspect *inspect)
+static void frame_inspected(struct frame_work *work, const struct inspected *inspected, const struct inspected_rve *rve)
 {
 	const struct mpm *mpm = work->mpm;
-	int point = inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
+	struct frame_rve_view view = {.name = rve->name,
+								  .rule = rve->rule ? rve->rule->name : "",
+								  .celsius = mpm->scene->units.celsius,
+								  .thermal = mpm->thermal};
+	int point;
+	work->failed |= inspected_point(inspected, rve, &point) != STATUS_OK;
 	const struct law *law = point >= 0 ? mpm->laws[mpm->p.law[point]] : NULL;
-	const struct rve_model *model;
-	const void *state;
-	if (!law || !law->type->rve_view || law->type->rve_view(law, mpm->p.slot[point], &model, &state) != STATUS_OK)
+	if (!law || law->type->rve_view(law, mpm->p.slot[point], &view.model, &view.state) != STATUS_OK)
 		return;
-	struct rve_info info;
-	char note[256];
-	rve_get_info(model, state, &info);
-	frame_rve_note(mpm, &info, point, note);
-	int n = rve_discs(model), capacity = rve_contact_capacity(model);
-	struct rve_disc *discs = malloc(sizeof *discs * (size_t)n);
-	struct rve_contact *contacts = malloc(sizeof *contacts * 2 * (size_t)(capacity + 1));
-	int *image = malloc(sizeof *image * 2 * (size_t)(capacity + 1));
-	if (discs && contacts && image) {
-		int n_contacts = rve_inspect(model, state, discs, contacts, capacity);
-		int n_drawn = frame_expand_contacts(contacts, image, n_contacts < capacity ? n_contacts : capacity, info.H);
-		frame_discs(work, inspect->name, discs, n, info.H, note, scene_temperature_out(mpm->scene, mpm->p.T[point]));
-		frame_contacts(work, inspect->name, contacts, image, n_drawn, info.H, note);
-	} else {
-		work->failed = true;
-	}
-	free(discs);
-	free(contacts);
-	free(image);
+	view.time = mpm->time;
+	view.point = mpm->p.id[point];
+	memcpy(view.stress, mpm->p.stress[point], sizeof view.stress);
+	memcpy(view.F, mpm->p.F[point], sizeof view.F);
+	view.temperature = scene_temperature_out(mpm->scene, mpm->p.T[point]);
+	work->failed |= frame_rve_add(work->builder, &view) != STATUS_OK;
 }
 
-int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run_fields *fields, const void **frame,
-				int64_t *bytes)
+int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run_fields *fields,
+				const struct inspected *inspected, const void **frame, int64_t *bytes)
 {
 	const struct scene *scene = mpm->scene;
 	struct frame_work work = {builder, mpm, fields, false};
@@ -311,8 +198,8 @@ int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run
 	frame_domains(&work);
 	frame_grid(&work);
 	frame_walls(&work);
-	for (int i = 0; i < scene->n_inspect; i++)
-		frame_rve(&work, &scene->inspect[i]);
+	for (int i = 0; i < inspected->n; i++)
+		frame_inspected(&work, inspected, &inspected->rves[i]);
 	*frame = work.failed ? NULL : frame_finish(builder, bytes);
 	return *frame ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for a frame");
 }

@@ -5,13 +5,12 @@
 #ifndef TMDEMPM_RUN_FRAME_BUILD_H
 #define TMDEMPM_RUN_FRAME_BUILD_H
 
-#include "mpm/mpm.h"
-#include "run/fields.h"
+#include "run/inspected.h"
 #include "run/viewer.h"
 
 /* Lays out the frame of the state as it is; valid until the next frame_begin() of this builder. */
-int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run_fields *fields, const void **frame,
-				int64_t *bytes);
+int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run_fields *fields,
+				const struct inspected *inspected, const void **frame, int64_t *bytes);
 
 /* The quad that stands for a point: 4 corners, counter-clockwise, in m.
  *

@@ -6,11 +6,11 @@
 
 struct images {
 	const struct mpm *mpm;
-	struct run_log *log;
+	struct sink sink;
 	char folder[FILE_PATH];
-	struct viewer *viewer; /* NULL: no pictures (any more) */
-	long long *every;      /* steps, of each image of the scene */
-	double waited;         /* s, of a viewer that has ended */
+	long long *every; /* steps, of each image of the scene */
+	double *seconds;  /* s, the same as it was asked for */
+	bool *missing;    /* its RVE is not inspected, which has been said */
 	int n, capacity;
 	char **files;
 };
@@ -46,29 +46,54 @@ static int images_start(struct images *images)
 	if (status == STATUS_OK)
 		status = file_join(path, images->folder, "log.txt");
 	if (status == STATUS_OK)
-		status = viewer_start(&images->viewer, scene->n_images, described, path);
+		status = viewer_start(&images->sink.viewer, scene->n_images, described, path);
 	free(described);
 	return status;
 }
+
+static void image_set_every(struct images *images, int i, double seconds)
+{
+	images->seconds[i] = seconds;
+	images->every[i] = schedule_steps(images->mpm->scene, seconds);
+}
+
+int images_set_every(struct images *images, const char *name, double seconds)
+{
+	const struct scene *scene = images->mpm->scene;
+	char known[512] = "none";
+	for (int i = 0; i < scene->n_images; i++) {
+		size_t used = i ? strlen(known) : 0;
+		snprintf(known + used, sizeof known - used, "%s%s", i ? ", " : "", scene->images[i].name);
+		if (!strcmp(scene->images[i].name, name))
+			return image_set_every(images, i, seconds), STATUS_OK;
+	}
+	return error_set(STATUS_INPUT, "there is no picture \"%s\", expected one of the scene's: %s", name, known);
+}
+
+double images_every(const struct images *images, int i) { return images->seconds[i]; }
 
 int images_create(struct images **result, const struct mpm *mpm, const char *folder, struct run_log *log)
 {
 	*result = NULL;
 	const struct scene *scene = mpm->scene;
 	struct images *images = calloc(1, sizeof *images);
-	if (!images || !(images->every = calloc((size_t)scene->n_images + 1, sizeof *images->every))) {
-		free(images);
+	if (!images)
+		return error_set(STATUS_RESOURCE, "out of memory");
+	size_t n = (size_t)scene->n_images + 1;
+	images->every = calloc(n, sizeof *images->every);
+	images->seconds = calloc(n, sizeof *images->seconds);
+	images->missing = calloc(n, sizeof *images->missing);
+	if (!images->every || !images->seconds || !images->missing) {
+		images_free(images);
 		return error_set(STATUS_RESOURCE, "out of memory");
 	}
 	images->mpm = mpm;
-	images->log = log;
+	images->sink = (struct sink){.products = "pictures", .log = log};
 	snprintf(images->folder, sizeof images->folder, "%s", folder);
 	for (int i = 0; i < scene->n_images; i++)
-		images->every[i] = schedule_steps(scene, scene->images[i].every);
-	if (scene->n_images > 0 && images_start(images) != STATUS_OK) {
-		log_warning(log, "no pictures: %s", error_message());
-		images->viewer = NULL;
-	}
+		image_set_every(images, i, scene->images[i].every);
+	if (scene->n_images > 0 && images_start(images) != STATUS_OK)
+		sink_absent(&images->sink);
 	*result = images;
 	return STATUS_OK;
 }
@@ -80,7 +105,7 @@ static bool image_due(const struct images *images, int i, long long step, bool l
 
 bool images_due(const struct images *images, long long step, bool last)
 {
-	for (int i = 0; images->viewer && i < images->mpm->scene->n_images; i++)
+	for (int i = 0; images->sink.viewer && i < images->mpm->scene->n_images; i++)
 		if (image_due(images, i, step, last))
 			return true;
 	return false;
@@ -99,12 +124,19 @@ static int images_remember(struct images *images, const char *file)
 	return images->files[images->n] ? (images->n++, STATUS_OK) : error_set(STATUS_RESOURCE, "out of memory");
 }
 
-/* What the viewer has to tell goes to the log. */
-static void images_notices(struct images *images)
+/* Steering may have taken away the RVE of a picture. */
+static bool image_has_subject(struct images *images, const void *frame, int i)
 {
-	const char *notice;
-	while (images->viewer && (notice = viewer_notice(images->viewer)))
-		log_warning(images->log, "viewer: %s", notice);
+	const struct scene_image *image = &images->mpm->scene->images[i];
+	char channel[FRAME_NAME];
+	if (image->kind != SCENE_IMAGE_RVE)
+		return true;
+	snprintf(channel, sizeof channel, "rve_%.48s_discs", image->rve);
+	bool there = frame_find_channel(frame, channel) >= 0;
+	if (!there && !images->missing[i])
+		log_warning(images->sink.log, "picture %s is not drawn: the RVE %s is not inspected (now)", image->name, image->rve);
+	images->missing[i] = !there;
+	return there;
 }
 
 static int image_draw(struct images *images, const void *frame, int64_t bytes, int i, long long step)
@@ -112,52 +144,20 @@ static int image_draw(struct images *images, const void *frame, int64_t bytes, i
 	char name[SCENE_NAME + 48], path[FILE_PATH];
 	snprintf(name, sizeof name, "images/%s_%08lld.png", images->mpm->scene->images[i].name, step);
 	CHECK(file_join(path, images->folder, name));
-	CHECK(viewer_draw(images->viewer, frame, bytes, i, path));
+	CHECK(viewer_draw(images->sink.viewer, frame, bytes, i, path));
 	return images_remember(images, name);
 }
 
 void images_draw(struct images *images, const void *frame, int64_t bytes, long long step, bool last)
 {
-	for (int i = 0; images->viewer && i < images->mpm->scene->n_images; i++) {
-		if (!image_due(images, i, step, last) || image_draw(images, frame, bytes, i, step) == STATUS_OK)
-			continue;
-		log_warning(images->log, "no more pictures: %s", error_message());
-		images_finish(images);
-	}
-	images_notices(images);
+	for (int i = 0; images->sink.viewer && i < images->mpm->scene->n_images; i++)
+		if (image_due(images, i, step, last) && image_has_subject(images, frame, i) &&
+			image_draw(images, frame, bytes, i, step) != STATUS_OK)
+			sink_lost(&images->sink);
+	sink_notices(&images->sink);
 }
 
-void images_flush(struct images *images)
-{
-	if (!images->viewer)
-		return;
-	int status = viewer_flush(images->viewer);
-	images_notices(images);
-	if (status != STATUS_OK) {
-		log_warning(images->log, "no more pictures: %s", error_message());
-		images_finish(images);
-	}
-}
-
-double images_waited(const struct images *images)
-{
-	return images ? images->waited + (images->viewer ? viewer_waited(images->viewer) : 0) : 0;
-}
-
-void images_finish(struct images *images)
-{
-	if (!images || !images->viewer)
-		return;
-	images->waited += viewer_waited(images->viewer);
-	double start = clock_seconds();
-	viewer_flush(images->viewer); /* what fails here is counted by viewer_finish() */
-	images_notices(images);
-	int failed = viewer_finish(images->viewer);
-	images->waited += clock_seconds() - start;
-	images->viewer = NULL;
-	if (failed > 0)
-		log_warning(images->log, "%d pictures could not be drawn; the reason stands in log.txt", failed);
-}
+struct sink *images_sink(struct images *images) { return images ? &images->sink : NULL; }
 
 int images_count(const struct images *images) { return images ? images->n : 0; }
 
@@ -167,10 +167,10 @@ void images_free(struct images *images)
 {
 	if (!images)
 		return;
-	images_finish(images);
+	sink_finish(&images->sink);
 	for (int i = 0; i < images->n; i++)
 		free(images->files[i]);
 	free(images->files);
-	free(images->every);
+	free(images->every), free(images->seconds), free(images->missing);
 	free(images);
 }

@@ -20,6 +20,8 @@ void run_counts(const struct run *run, struct law_counts *counts)
 		counts->reseeded += one.reseeded;
 		counts->clamped += one.clamped;
 		counts->rebuilds += one.rebuilds;
+		counts->twin_calls += one.twin_calls;
+		counts->twin_disc_steps += one.twin_disc_steps;
 		counts->bonds_installed += one.bonds_installed;
 		counts->bonds_intact += one.bonds_intact;
 		for (size_t i = 0; i < sizeof one.inertia / sizeof *one.inertia; i++)

@@ -1,6 +1,9 @@
+#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/error.h"
 #include "mpm/shape.h"
@@ -34,6 +37,7 @@ static void report_options(struct json *json, const struct run *run)
 	json_integer(json, "threads", run->threads);
 	json_text(json, "restart", options->restart); /* null if it was none */
 	json_number(json, "until", options->until);
+	json_text(json, "steering", options->steering);
 	json_close(json, '}');
 }
 
@@ -44,9 +48,43 @@ static void report_times(struct json *json, const struct run *run)
 	json_number(json, "law", 1e-9 * (double)run->mpm->law_time_ns);
 	json_number(json, "mpm", 1e-9 * (double)run->mpm->mpm_time_ns);
 	json_number(json, "output", run->output_time);
-	json_number(json, "viewer_wait", images_waited(run->images));
+	json_number(json, "viewer_wait", watch_waited(run));
 	json_number(json, "total", report_loop_time(run));
 	json_number(json, "cpu", run->loop_cpu);
+	json_number(json, "paused", steering_pause_time(run->steering)); /* not in the total */
+	json_close(json, '}');
+}
+
+/* The share of the run's time that viewers have taken: what the engine waited and worked for them, and their processor
+ * time, spread over the cores. */
+static double report_viewer_share(const struct run *run)
+{
+	struct live_counts live = {0};
+	long cores = sysconf(_SC_NPROCESSORS_ONLN);
+	double cost = watch_waited(run), total = report_loop_time(run);
+	live_get_counts(run->live, &live);
+	for (int k = 0; k < WATCHERS; k++)
+		cost += watch_cpu(run, k) / (double)(cores > 0 ? cores : 1);
+	return total > 0 ? (cost + live.seconds) / total : 0;
+}
+
+static void report_viewers(struct json *json, const struct run *run)
+{
+	static const char *const names[WATCHERS] = {"cpu_images", "cpu_scripts", "cpu_live"};
+	struct live_counts live;
+	json_open(json, "viewers", '{');
+	json_number(json, "share", report_viewer_share(run));
+	for (int k = 0; k < WATCHERS; k++)
+		json_number(json, names[k], watch_cpu(run, k));
+	if (live_get_counts(run->live, &live)) {
+		json_open(json, "live", '{');
+		json_integer(json, "clients", live.clients);
+		json_integer(json, "shown", live.shown);
+		json_integer(json, "dropped", live.dropped);
+		json_integer(json, "thinned_out", live.thinned);
+		json_number(json, "share_max", live.share_max);
+		json_close(json, '}');
+	}
 	json_close(json, '}');
 }
 
@@ -55,7 +93,7 @@ static void report_counts(struct json *json, const struct run *run)
 	struct law_counts counts;
 	double seconds = report_loop_time(run), steps = (double)(run->mpm->step - run->first_step);
 	run_counts(run, &counts);
-	double disc_steps = (double)(counts.disc_steps - run->first_disc_steps);
+	double disc_steps = (double)(counts.disc_steps - run->first_disc_steps - counts.twin_disc_steps); /* computed */
 	json_open(json, "rates", '{');
 	json_number(json, "point_steps_per_second", report_rate(steps * run->mpm->p.n, seconds));
 	json_number(json, "disc_steps_per_second", report_rate(disc_steps, seconds));
@@ -68,6 +106,10 @@ static void report_counts(struct json *json, const struct run *run)
 	json_integer(json, "reseeded", counts.reseeded);
 	json_integer(json, "clamped", counts.clamped);
 	json_integer(json, "rebuilds", counts.rebuilds);
+	json_open(json, "economy", '{');
+	json_integer(json, "twin_steps", counts.twin_calls);
+	json_integer(json, "twin_disc_steps", counts.twin_disc_steps);
+	json_close(json, '}');
 	json_integer(json, "bonds_installed", counts.bonds_installed);
 	json_integer(json, "bonds_intact", counts.bonds_intact);
 	json_open(json, "inertial_number_histogram", '[');
@@ -78,23 +120,54 @@ static void report_counts(struct json *json, const struct run *run)
 	json_close(json, '}');
 }
 
-/* Number i of the files of a run, relative to its folder; "" if it was not written.  False after the last. */
-static bool report_file(const struct run *run, int i, char name[REPORT_NAME])
+/* The files of a run, relative to its folder. */
+struct report_files {
+	int n, capacity;
+	char (*names)[REPORT_NAME];
+};
+
+static void report_add_file(struct report_files *files, const struct run *run, const char *below, const char *name)
 {
-	static const char *const always[] = {"history.csv", "run.json", "log.txt", "checkpoint.h5", "guard.h5", "run.h5"};
-	const int n_always = sizeof always / sizeof *always;
+	char path[FILE_PATH], there[REPORT_NAME];
+	if (snprintf(there, sizeof there, "%s%s", below, name) >= REPORT_NAME ||
+		file_join(path, run->folder, there) != STATUS_OK || !file_exists(path))
+		return;
+	if (files->n == files->capacity) {
+		int capacity = 2 * files->capacity + 32;
+		char(*larger)[REPORT_NAME] = realloc(files->names, (size_t)capacity * sizeof *larger);
+		if (!larger)
+			return;
+		files->names = larger, files->capacity = capacity;
+	}
+	memcpy(files->names[files->n++], there, REPORT_NAME);
+}
+
+/* Start states and paths of inspected RVEs, by name. */
+static void report_add_rves(struct report_files *files, const struct run *run)
+{
 	char path[FILE_PATH];
-	if (i < n_always)
-		snprintf(name, REPORT_NAME, "%s", always[i]);
-	else if (i - n_always < run->scene->n_inspect)
-		snprintf(name, REPORT_NAME, "rve/%s_path.csv", run->scene->inspect[i - n_always].name);
-	else if (snapshots_series(run->snapshots, i - n_always - run->scene->n_inspect))
-		snprintf(name, REPORT_NAME, "%s", snapshots_series(run->snapshots, i - n_always - run->scene->n_inspect));
-	else
-		return false;
-	if (file_join(path, run->folder, name) != STATUS_OK || !file_exists(path))
-		name[0] = '\0';
-	return true;
+	struct dirent **entries;
+	int n = file_join(path, run->folder, "rve") == STATUS_OK ? scandir(path, &entries, NULL, alphasort) : -1;
+	for (int k = 0; k < n; k++) {
+		if (entries[k]->d_name[0] != '.')
+			report_add_file(files, run, "rve/", entries[k]->d_name);
+		free(entries[k]);
+	}
+	if (n >= 0)
+		free(entries);
+}
+
+static struct report_files report_list(const struct run *run)
+{
+	static const char *const always[] = {"history.csv",   "run.json", "log.txt", "steering.csv",
+										 "checkpoint.h5", "guard.h5", "run.h5"};
+	struct report_files files = {0};
+	for (size_t k = 0; k < sizeof always / sizeof *always; k++)
+		report_add_file(&files, run, "", always[k]);
+	report_add_rves(&files, run);
+	for (int i = 0; snapshots_series(run->snapshots, i); i++)
+		report_add_file(&files, run, "", snapshots_series(run->snapshots, i));
+	return files;
 }
 
 static void report_outcome(struct json *json, const struct run *run, const char *state)
@@ -108,11 +181,12 @@ static void report_outcome(struct json *json, const struct run *run, const char 
 	if (strcmp(state, "done") && strcmp(state, "running"))
 		json_text(json, "reason", error_message());
 	json_open(json, "files", '[');
-	char name[REPORT_NAME];
-	for (int i = 0; report_file(run, i, name); i++)
-		if (name[0])
-			json_text(json, NULL, name);
+	struct report_files files = report_list(run);
+	for (int i = 0; i < files.n; i++)
+		json_text(json, NULL, files.names[i]);
+	free(files.names);
 	json_close(json, ']');
+	json_integer(json, "steered", steering_count(run->steering));
 	json_integer(json, "snapshots", snapshots_count(run->snapshots));
 	json_open(json, "images", '[');
 	for (int i = 0; i < images_count(run->images); i++)
@@ -122,12 +196,14 @@ static void report_outcome(struct json *json, const struct run *run, const char 
 
 static void report_fill(struct json *json, const struct run *run, const char *state)
 {
+	char code_path[CODE_PATH];
+	checkpoint_code_path(run->mpm, code_path, sizeof code_path);
 	json_open(json, NULL, '{');
 	json_text(json, "program", "tmdempm");
 	json_text(json, "version", TMDEMPM_VERSION);
 	json_text(json, "compiler", TMDEMPM_COMPILER);
 	json_text(json, "build", TMDEMPM_BUILD_TYPE);
-	json_text(json, "code_path", checkpoint_code_path());
+	json_text(json, "code_path", code_path);
 	json_text(json, "rve_isa", rve_isa());
 	json_text(json, "state", state);
 	json_text(json, "title", run->scene->title);
@@ -141,6 +217,7 @@ static void report_fill(struct json *json, const struct run *run, const char *st
 	if (run->mpm->thermal)
 		json_number(json, "thermal_time_scale", run->scene->thermal.time_scale);
 	report_times(json, run);
+	report_viewers(json, run);
 	report_counts(json, run);
 	report_outcome(json, run, state);
 	json_close(json, '}');
@@ -215,10 +292,19 @@ static void report_task(struct run *run, const char *task, double seconds, doubl
 	log_line(&run->log, "  %-16s %9.2f s %5.1f %%", task, seconds, total > 0 ? 100 * seconds / total : 0);
 }
 
+/* What was not computed, and how wrong that may be. */
+static void report_economy(struct run *run, const struct law_counts *counts)
+{
+	double steps = (double)(counts->disc_steps - run->first_disc_steps);
+	if (counts->twin_disc_steps > 0)
+		log_line(&run->log, "economy: twins saved %lld RVE steps, %.1f%% of all disc-steps; exact", counts->twin_calls,
+				 100.0 * (double)counts->twin_disc_steps / steps);
+}
+
 static void report_print_times(struct run *run)
 {
 	double law = 1e-9 * (double)run->mpm->law_time_ns, mpm = 1e-9 * (double)run->mpm->mpm_time_ns;
-	double viewer = images_waited(run->images), total = report_loop_time(run);
+	double viewer = watch_waited(run), total = report_loop_time(run);
 	double steps = (double)(run->mpm->step - run->first_step);
 	struct law_counts counts;
 	run_counts(run, &counts);
@@ -228,11 +314,15 @@ static void report_print_times(struct run *run)
 	report_task(run, "output", run->output_time, total);
 	report_task(run, "viewer wait", viewer, total);
 	report_task(run, "total", total, total);
+	if (report_viewer_share(run) > 0)
+		log_line(&run->log, "  viewers took %.1f %% of the time (waited for, and on the machine's cores)",
+				 100 * report_viewer_share(run));
 	log_line(&run->log, "  %.4g point-steps/s, %.4g disc-steps/s", report_rate(steps * run->mpm->p.n, total),
-			 report_rate((double)(counts.disc_steps - run->first_disc_steps), total));
+			 report_rate((double)(counts.disc_steps - run->first_disc_steps - counts.twin_disc_steps), total));
 	if (counts.disc_steps > 0)
 		log_line(&run->log, "RVEs: %lld flying, %lld frozen, %lld re-seeded, %lld steps with N clamped", counts.gas,
 				 counts.frozen, counts.reseeded, counts.clamped);
+	report_economy(run, &counts);
 	if (counts.bonds_installed > 0)
 		log_line(&run->log, "bonds: %lld of %lld intact", counts.bonds_intact, counts.bonds_installed);
 }
@@ -243,12 +333,13 @@ void report_print(struct run *run)
 	if (run->log.quiet)
 		return;
 	printf("%s/\n", run->folder);
-	char name[REPORT_NAME];
-	for (int i = 0; report_file(run, i, name); i++)
-		if (!strcmp(name, "run.h5"))
+	struct report_files files = report_list(run);
+	for (int i = 0; i < files.n; i++)
+		if (!strcmp(files.names[i], "run.h5"))
 			printf("  run.h5 (%d snapshots)\n", snapshots_count(run->snapshots));
-		else if (name[0])
-			printf("  %s\n", name);
+		else
+			printf("  %s\n", files.names[i]);
+	free(files.names);
 	for (int i = 0; i < images_count(run->images); i++)
 		printf("  %s\n", images_file(run->images, i));
 	fflush(stdout);

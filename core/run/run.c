@@ -28,27 +28,28 @@ static int run_path(const struct run *run, const char *name, char path[FILE_PATH
 
 /* ---- output ---- */
 
-/* Of the state as it is: what is due at this step, or everything that the scene wants at the run's end. */
-static int run_output(struct run *run, bool last)
+int run_output(struct run *run, bool last)
 {
 	struct mpm *mpm = run->mpm;
-	double start = clock_seconds(), waited = images_waited(run->images);
+	double start = clock_seconds(), waited = watch_waited(run);
 	bool row_due = schedule_due(run->history_every, mpm->step);
 	if (row_due || last) {
 		mpm_measure(mpm);
 		CHECK(history_row(run->history, row_due));
 	}
 	bool snapshot = schedule_due(run->snapshot_every, mpm->step) || (last && run->snapshot_every > 0);
-	bool vtk = snapshot && run->scene->output.vtk, pictures = images_due(run->images, mpm->step, last);
+	bool vtk = snapshot && run->scene->output.vtk;
+	unsigned watchers = watch_due(run, last);
 	const void *frame = NULL;
 	int64_t bytes = 0;
-	if (vtk || pictures)
-		CHECK(frame_build(run->builder, mpm, run->fields, &frame, &bytes));
-	if (pictures)
-		images_draw(run->images, frame, bytes, mpm->step, last);
+	double begun = clock_seconds();
+	if (vtk || watchers)
+		CHECK(frame_build(run->builder, mpm, run->fields, run->inspected, &frame, &bytes));
+	if (watchers)
+		watch_show(run, watchers, frame, bytes, last, clock_seconds() - begun);
 	if (snapshot)
 		CHECK(snapshots_write(run->snapshots, vtk ? frame : NULL));
-	run->output_time += clock_seconds() - start - (images_waited(run->images) - waited);
+	run->output_time += clock_seconds() - start - (watch_waited(run) - waited);
 	return STATUS_OK;
 }
 
@@ -56,17 +57,18 @@ static int run_output(struct run *run, bool last)
 static int run_save(struct run *run, const char *name, bool whole)
 {
 	char path[FILE_PATH];
-	double start = clock_seconds(), waited = images_waited(run->images);
-	images_flush(run->images);
+	double start = clock_seconds(), waited = watch_waited(run);
+	watch_flush(run);
 	CHECK(history_sync(run->history));
 	CHECK(paths_sync(run->paths));
+	CHECK(steering_sync(run->steering));
 	CHECK(run_path(run, name, path));
 	CHECK(checkpoint_write(path, run->mpm, &run->memory, whole));
-	run->output_time += clock_seconds() - start - (images_waited(run->images) - waited);
+	run->output_time += clock_seconds() - start - (watch_waited(run) - waited);
 	return STATUS_OK;
 }
 
-static int run_checkpoint(struct run *run) { return run_save(run, "checkpoint.h5", true); }
+int run_checkpoint(struct run *run) { return run_save(run, "checkpoint.h5", true); }
 
 /* ---- the loop ---- */
 
@@ -103,7 +105,10 @@ static int run_loop(struct run *run)
 	struct mpm *mpm = run->mpm;
 	if (mpm->step == 0)
 		CHECK(run_output(run, run->last_step == 0));
-	while (mpm->step < run->last_step && !signals_stop()) {
+	while (mpm->step < run->last_step) {
+		CHECK(steered_between(run));
+		if (signals_stop() || steering_stops(run->steering))
+			break;
 		int status = mpm_step(mpm);
 		if (status == STATUS_GUARD)
 			return run_guarded(run);
@@ -149,6 +154,9 @@ static int run_prepare(struct run *run)
 	CHECK(folder_name(run->folder, options->out, options->restart, options->scene_path));
 	CHECK(scene_load(&run->scene, options->scene_path, options->n_sets, options->sets, stderr));
 	CHECK(images_check(run->scene, stderr));
+	if (options->steering)
+		CHECK(steering_script_read(&run->script, options->steering));
+	CHECK(scripts_check(options));
 	CHECK(run_set_times(run));
 	CHECK(folder_check(run->folder, options->force, restart));
 	if (restart)
@@ -164,7 +172,8 @@ static int run_prepare(struct run *run)
 		return error_set(STATUS_INPUT, "%s stands at %.9g s, after the end of this run", options->restart,
 						 run->mpm->time);
 	run->first_step = run->mpm->step;
-	return fields_create(&run->fields, run->mpm);
+	CHECK(fields_create(&run->fields, run->mpm));
+	return inspected_create(&run->inspected, run->mpm, run->fields);
 }
 
 /* What a run that was killed had begun to write here. */
@@ -190,12 +199,13 @@ static int run_open(struct run *run)
 	CHECK(run_path(run, "history.csv", path));
 	bool continues = run->options->restart && file_exists(path);
 	CHECK(history_create(&run->history, path, run->mpm, run->fields, &run->memory, continues));
-	CHECK(paths_create(&run->paths, run->mpm, run->folder, run->options->restart, &run->log));
-	CHECK(snapshots_create(&run->snapshots, run->mpm, run->fields, run->folder, continues));
+	CHECK(watch_open(run));
+	CHECK(steered_open(run, continues));
+	CHECK(paths_create(&run->paths, run->inspected, run->folder, run->options->restart, &run->log));
+	CHECK(snapshots_create(&run->snapshots, run->inspected, run->folder, continues));
 	run->builder = frame_builder_create();
 	if (!run->builder)
 		return error_set(STATUS_RESOURCE, "out of memory");
-	CHECK(images_create(&run->images, run->mpm, run->folder, &run->log));
 	return report_write(run, "running");
 }
 
@@ -260,9 +270,12 @@ static int run_all(struct run *run)
 static void run_close(struct run *run)
 {
 	log_close(&run->log);
-	images_free(run->images);
+	watch_free(run);
 	snapshots_free(run->snapshots);
 	frame_builder_free(run->builder);
+	steering_free(run->steering);
+	steering_script_free(&run->script);
+	inspected_free(run->inspected);
 	fields_free(run->fields);
 	history_memory_free(&run->memory);
 	mpm_free(run->mpm);
@@ -288,9 +301,10 @@ static int run_finish(struct run *run, int status)
 {
 	char message[2048];
 	snprintf(message, sizeof message, "%s", status == STATUS_OK ? "" : error_message());
-	images_finish(run->images);
-	int closed[2] = {history_close(run->history), paths_close(run->paths)};
-	for (int i = 0; i < 2; i++)
+	watch_finish(run);
+	int closed[] = {steering_close(run->steering), history_close(run->history), paths_close(run->paths)};
+	steering_socket_close(run->socket);
+	for (size_t i = 0; i < sizeof closed / sizeof *closed; i++)
 		if (status == STATUS_OK && closed[i] != STATUS_OK)
 			status = closed[i], snprintf(message, sizeof message, "%s", error_message());
 	if (status != STATUS_OK)

@@ -13,6 +13,11 @@ struct run_options {
 	const char *device;      /* "cpu" */
 	const char *restart;     /* checkpoint file or NULL */
 	double until;            /* s, NAN = the scene's end */
+	const char *steering;    /* log of another run's steering, to be repeated; or NULL */
+	bool paused;             /* waits before the first step until somebody says to go on */
+	const char *live;        /* "port", "host:port", "" = the scene's or default ones; NULL = not asked for */
+	int n_pipelines;
+	const char *const *pipelines; /* ParaView Catalyst scripts */
 	bool quiet, force, allow_path_change;
 };
 

@@ -6,21 +6,30 @@
 #include "mpm/mpm.h"
 #include "run/fields.h"
 #include "run/history.h"
+#include "run/inspected.h"
+#include "run/live.h"
 #include "run/log.h"
 #include "run/run.h"
+#include "run/sink.h"
+#include "run/steering_socket.h"
 #include "run/viewer.h"
 
 /* Times of a scene are met at whole steps: every so many, 0 = never. */
 long long schedule_steps(const struct scene *scene, double seconds);
 bool schedule_due(long long every, long long step);
 
-/* ---- paths.c: rve/NAME_path.csv of the inspected points ---- */
+/* ---- paths.c: rve/NAME_path.csv of the inspected points (not of those that a rule chooses) ---- */
 
 struct paths;
 
 /* Opens the files; on a restart (first_step > 0, same folder) they are cut there.  Points whose path is not
- * whole from the first step on are not recorded: a warning says so. */
-int paths_create(struct paths **paths, const struct mpm *mpm, const char *folder, bool restart, struct run_log *log);
+ * whole are not recorded: a warning says so. */
+int paths_create(struct paths **paths, const struct inspected *inspected, const char *folder, bool restart,
+				 struct run_log *log);
+/* Steering begins to inspect a fixed point: its RVE as it is now goes to rve/NAME_STEP.h5, from which `rve load` drives
+ * it along rve/NAME_STEP_path.csv; what was recorded under this name ends.  And ends it without another. */
+int paths_start(struct paths *paths, const struct inspected_rve *rve);
+int paths_stop(struct paths *paths, const char *name);
 int paths_record(struct paths *paths); /* after each step: what the laws got */
 int paths_sync(struct paths *paths);
 int paths_close(struct paths *paths);
@@ -32,11 +41,17 @@ int paths_close(struct paths *paths);
 int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory, bool whole);
 
 /* The name of the code whose bits a checkpoint continues. */
-const char *checkpoint_code_path(void);
+enum { CODE_PATH = 512 };
+void checkpoint_code_path(const struct mpm *mpm, char *path, size_t size);
 
 /* Reads the state into an MPM made from the same scene. STATUS_INPUT if the file is of another scene (the
  * message names the first setting that differs), another code path (unless allowed), or broken. */
 int checkpoint_read(const char *path, struct mpm *mpm, struct history_memory *memory, bool allow_path_change);
+
+/* For looking only: the scene's text (free() it), and the state into an MPM made from it, also one at a guard.  A state
+ * of another code path may be kept in another way and is refused. */
+int checkpoint_read_scene(const char *path, char **text);
+int checkpoint_look(const char *path, struct mpm *mpm);
 
 /* The same questions about the scene without reading the state: asked before anything is made. */
 int checkpoint_check_scene(const char *path, const struct scene *scene);
@@ -45,8 +60,7 @@ int checkpoint_check_scene(const char *path, const struct scene *scene);
 
 struct snapshots;
 
-int snapshots_create(struct snapshots **snapshots, const struct mpm *mpm, struct run_fields *fields, const char *folder,
-					 bool restart);
+int snapshots_create(struct snapshots **snapshots, const struct inspected *inspected, const char *folder, bool restart);
 void snapshots_free(struct snapshots *snapshots);
 
 /* Writes the state as it is; `frame` feeds the VTK files (NULL = none). */
@@ -65,22 +79,56 @@ int images_check(const struct scene *scene, void *errors);
 /* Starts the viewer if the scene asks for pictures; without one the run goes on and a warning says what to install. */
 int images_create(struct images **images, const struct mpm *mpm, const char *folder, struct run_log *log);
 bool images_due(const struct images *images, long long step, bool last);
+/* Another interval from now on, s, 0 = never.  STATUS_INPUT if the scene has no picture of this name. */
+int images_set_every(struct images *images, const char *name, double seconds);
+double images_every(const struct images *images, int i);
 /* Asks for the pictures that are due. */
 void images_draw(struct images *images, const void *frame, int64_t bytes, long long step, bool last);
-/* Returns when everything asked for is drawn: before a checkpoint, which says that all before it is done. */
-void images_flush(struct images *images);
-double images_waited(const struct images *images);
-/* Waits for the pictures and ends the viewer. */
-void images_finish(struct images *images);
+struct sink *images_sink(struct images *images);
 int images_count(const struct images *images);
 const char *images_file(const struct images *images, int i); /* relative to the folder, in the order of drawing */
 void images_free(struct images *images);
+
+/* ---- scripts.c: ParaView Catalyst pipelines ---- */
+
+struct scripts;
+
+/* Are the scripts of the command line there? */
+int scripts_check(const struct run_options *options);
+/* Starts the viewer if the scene or --pipeline asks for scripts; without one the run goes on, with a warning. */
+int scripts_create(struct scripts **scripts, const struct scene *scene, const struct run_options *options,
+				   const char *folder, struct run_log *log);
+bool scripts_due(const struct scripts *scripts, long long step, bool last);
+void scripts_give(struct scripts *scripts, const void *frame, int64_t bytes, bool last);
+struct sink *scripts_sink(struct scripts *scripts);
+void scripts_free(struct scripts *scripts);
+
+/* ---- watch.c: all of those together ---- */
+
+enum { WATCHERS = 3 }; /* pictures, scripts, live */
+enum { WATCH_IMAGES = 1, WATCH_SCRIPTS = 2, WATCH_LIVE = 4 };
+
+struct run;
+
+int watch_open(struct run *run);
+/* Who wants a frame of the state as it is: a sum of WATCH_. */
+unsigned watch_due(struct run *run, bool last);
+/* Hands it to them; `seconds` = what it took to make it. */
+void watch_show(struct run *run, unsigned due, const void *frame, int64_t bytes, bool last, double seconds);
+/* Returns when everything asked for is drawn and done: before a checkpoint, which says that all before it is. */
+void watch_flush(struct run *run);
+double watch_waited(const struct run *run);    /* s that the engine has waited for viewers */
+double watch_cpu(const struct run *run, int k); /* s of processor time, of watcher k */
+/* Waits for what is outstanding and ends the viewers. */
+void watch_finish(struct run *run);
+void watch_free(struct run *run);
 
 /* ---- signals.c ---- */
 
 void signals_install(void);
 int signals_stop(void);             /* the signal that asks to stop, or 0 */
 bool signals_take_checkpoint(void); /* SIGUSR1 came; asked once */
+int signals_descriptor(void);       /* poll() finds it readable when a signal has come that nobody has taken; -1 = none */
 
 /* ---- the run itself ---- */
 
@@ -92,9 +140,15 @@ struct run {
 	struct run_fields *fields;
 	struct history *history;
 	struct history_memory memory;
+	struct inspected *inspected;
+	struct steering_script script;
+	struct steering *steering;
+	struct steering_socket *socket;
 	struct paths *paths;
 	struct snapshots *snapshots;
 	struct images *images;
+	struct scripts *scripts;
+	struct live *live;
 	struct frame_builder *builder;
 	char folder[FILE_PATH];
 	int folder_lock; /* open as long as the folder is ours */
@@ -109,6 +163,19 @@ struct run {
 	double output_time;   /* s, without the wait for the viewer */
 	double next_progress; /* s, clock_seconds() */
 };
+
+/* What is due now, or all that the scene wants at the run's end. */
+int run_output(struct run *run, bool last);
+int run_checkpoint(struct run *run);
+
+/* ---- steered.c: what steering does to a run ---- */
+
+/* After the pictures and before the paths: both may have been steered before a restart, which `continues` the run in its
+ * own folder or goes on in a new one. */
+int steered_open(struct run *run, bool continues);
+
+/* Between two steps; pauses do not count as the run's time. */
+int steered_between(struct run *run);
 
 /* ---- progress.c and report.c ---- */
 

@@ -12,7 +12,7 @@
 #include "run/run_private.h"
 #include "version.h"
 
-enum { SERIES_MOST = 256, STEP_DIGITS = 8 };
+enum { STEP_DIGITS = 8 };
 
 /* One .pvd: the files of one channel over time. */
 struct series {
@@ -29,11 +29,12 @@ struct series {
 struct snapshots {
 	const struct mpm *mpm;
 	struct run_fields *fields;
+	const struct inspected *inspected;
 	char folder[FILE_PATH];
 	long long *steps; /* of the snap/ files */
 	int n, capacity;
 	int n_series;
-	struct series series[SERIES_MOST];
+	struct series *series;
 	double *values; /* one field of all points, or of the grid */
 };
 
@@ -78,8 +79,10 @@ static struct series *series_find(struct snapshots *s, const char *name)
 	for (int i = 0; i < s->n_series; i++)
 		if (!strcmp(s->series[i].name, name))
 			return &s->series[i];
-	if (s->n_series == SERIES_MOST)
+	struct series *larger = realloc(s->series, ((size_t)s->n_series + 1) * sizeof *larger);
+	if (!larger)
 		return NULL;
+	s->series = larger;
 	struct series *series = &s->series[s->n_series++];
 	*series = (struct series){0};
 	snprintf(series->name, sizeof series->name, "%s", name);
@@ -164,19 +167,20 @@ static int snapshots_take_up(struct snapshots *s)
 	CHECK(file_join(below, s->folder, "snap"));
 	CHECK(snapshots_scan(s, below, snapshots_take_file, ".h5"));
 	CHECK(snapshots_scan(s, s->folder, series_read, ".pvd"));
-	qsort(s->series, (size_t)s->n_series, sizeof *s->series, series_compare); /* folders have no order */
+	if (s->n_series)
+		qsort(s->series, (size_t)s->n_series, sizeof *s->series, series_compare); /* folders have no order */
 	return s->n ? snapshots_write_links(s) : STATUS_OK;
 }
 
-int snapshots_create(struct snapshots **result, const struct mpm *mpm, struct run_fields *fields, const char *folder,
-					 bool restart)
+int snapshots_create(struct snapshots **result, const struct inspected *inspected, const char *folder, bool restart)
 {
 	*result = NULL;
 	struct snapshots *s = calloc(1, sizeof *s);
 	if (!s)
 		return error_set(STATUS_RESOURCE, "out of memory");
-	s->mpm = mpm;
-	s->fields = fields;
+	const struct mpm *mpm = s->mpm = inspected->mpm;
+	s->fields = inspected->fields;
+	s->inspected = inspected;
 	snprintf(s->folder, sizeof s->folder, "%s", folder);
 	size_t points = 6 * (size_t)mpm->p.n, nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny;
 	s->values = malloc(sizeof(double) * ((points > nodes ? points : nodes) + 1));
@@ -196,6 +200,7 @@ void snapshots_free(struct snapshots *s)
 		return;
 	for (int i = 0; i < s->n_series; i++)
 		free(s->series[i].entries);
+	free(s->series);
 	free(s->steps);
 	free(s->values);
 	free(s);
@@ -295,9 +300,12 @@ static int snapshot_grid(const struct snapshots *s, hid_t group)
 static int snapshot_rve(const struct snapshots *s, hid_t group, const char *name, int point)
 {
 	const struct law *law = s->mpm->laws[s->mpm->p.law[point]];
-	const unsigned char *state = law->states + (size_t)s->mpm->p.slot[point] * law->state_bytes;
+	const struct rve_model *model;
+	const void *state;
+	CHECK(law->type->rve_view(law, s->mpm->p.slot[point], &model, &state));
 	CHECK(h5_write(group, name, H5T_NATIVE_UCHAR, law->state_bytes, 0, state));
 	CHECK(h5_attribute_integer(group, name, "id", s->mpm->p.id[point]));
+	CHECK(h5_attribute_integer(group, name, "packings", (long long)law->model_hash));
 	return h5_attribute_text(group, name, "law", law->name);
 }
 
@@ -305,12 +313,14 @@ static int snapshot_rve(const struct snapshots *s, hid_t group, const char *name
 static int snapshot_rves(const struct snapshots *s, hid_t group)
 {
 	const struct mpm *mpm = s->mpm;
-	for (int i = 0; i < mpm->scene->n_inspect; i++) {
-		const struct scene_inspect *inspect = &mpm->scene->inspect[i];
-		int point =
-			inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
+	for (int i = 0; i < s->inspected->n; i++) {
+		const struct inspected_rve *rve = &s->inspected->rves[i];
+		int point;
+		CHECK(inspected_point(s->inspected, rve, &point));
 		if (point >= 0)
-			CHECK(snapshot_rve(s, group, inspect->name, point));
+			CHECK(snapshot_rve(s, group, rve->name, point));
+		if (point >= 0 && rve->rule)
+			CHECK(h5_attribute_text(group, rve->name, "rule", rve->rule->name));
 	}
 	for (int p = 0; mpm->scene->output.rve_states_all && p < mpm->p.n; p++) {
 		char name[32];
@@ -369,7 +379,7 @@ static int snapshot_write_vtk(struct snapshots *s, const void *frame)
 	for (int c = 0; c < header->n_channels; c++) {
 		struct series *series = series_find(s, channels[c].name);
 		if (!series)
-			return error_set(STATUS_RESOURCE, "more than %d channels in the frame", SERIES_MOST);
+			return error_set(STATUS_RESOURCE, "out of memory");
 		snprintf(series->end, sizeof series->end, "%s", vtk_file_end(channels[c].kind));
 		snprintf(name, sizeof name, "vtk/%s_%0*lld.%s", series->name, STEP_DIGITS, (long long)header->step,
 				 series->end);

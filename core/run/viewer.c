@@ -30,34 +30,51 @@ enum {
 	N_FAILURES = 16,
 	NOTICE = 4096,
 	FAILURE_HUNG = -1, /* beside wait statuses, which are not negative */
+	LIVE_GRACE = 20,   /* ticks that a live viewer has for its last frame */
 	TICK_MS = 100      /* of waiting; a longer tick than this was a sleep of ours (Ctrl-Z) and does not count */
 };
+
+/* KEPT: worked through, but the viewer still refers to it. */
+enum slot_state { SLOT_FREE, SLOT_BUSY, SLOT_KEPT };
 
 struct slot {
 	int64_t offset, capacity; /* in the memory file */
 	void *map;
-	bool busy;
+	enum slot_state state;
 	long long number; /* order of the requests */
-	struct frame_message draw;
+	struct frame_message request;
 };
 
 struct viewer {
 	char program[PATH_MAX];
 	char *log_path;
-	int n_images;
-	struct frame_image *images;
+	struct frame_message purpose; /* what a new process is told first, */
+	int n_parts;                  /* and the packets that follow it */
+	size_t part_bytes;
+	char *parts;
+	void (*hear)(void *data, const struct frame_message *message);
+	void *hear_data;
 	pid_t pid; /* 0 = none runs */
 	int socket, memory;
 	int64_t memory_bytes;
 	struct slot slots[N_SLOTS];
-	long long n_draws;
+	long long n_requests;
 	int n_failed;                         /* pictures asked for and not made */
 	int n_failures, failures[N_FAILURES]; /* kinds seen; each is forgiven once */
 	bool ready;
 	char given_up[1024];    /* why, "" = still at work */
 	double timeout, waited; /* s */
+	double cpu_ended, cpu_start; /* s: of processes that have ended; of this one when it was ready */
 	char notice[NOTICE], notice_out[NOTICE];
 };
+
+bool viewer_is_live(const struct viewer *viewer) { return viewer->purpose.kind == FRAME_MSG_LIVE; }
+
+/* What is not made when this viewer fails. */
+static const char *viewer_products(const struct viewer *viewer)
+{
+	return viewer_is_live(viewer) ? "live connection" : viewer->purpose.kind == FRAME_MSG_SCRIPTS ? "scripts" : "pictures";
+}
 
 static double now(void)
 {
@@ -236,11 +253,28 @@ static bool process_wait(struct viewer *viewer, int ticks, int *status)
 	return true;
 }
 
+static double process_cpu(const struct viewer *viewer)
+{
+	clockid_t id;
+	struct timespec t;
+	if (!viewer->pid || clock_getcpuclockid(viewer->pid, &id) != 0 || clock_gettime(id, &t) != 0)
+		return 0;
+	return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double viewer_cpu(struct viewer *viewer)
+{
+	double now = viewer->ready ? process_cpu(viewer) - viewer->cpu_start : 0;
+	return viewer->cpu_ended + (now > 0 ? now : 0);
+}
+
 /* Ends the process for good if it still runs; returns its wait status.  One that even SIGKILL cannot end at
  * once (it waits for a dead disk) is left to die alone. */
 static int process_bury(struct viewer *viewer)
 {
 	int status;
+	viewer->cpu_ended = viewer_cpu(viewer);
+	viewer->ready = false;
 	if (!process_wait(viewer, 0, &status)) {
 		kill(viewer->pid, SIGKILL);
 		process_wait(viewer, 50, &status);
@@ -257,7 +291,9 @@ static int process_bury(struct viewer *viewer)
 static int process_reap_dying(struct viewer *viewer)
 {
 	int status, killed;
-	bool gone = process_wait(viewer, 20, &status);
+	viewer->cpu_ended = viewer_cpu(viewer);
+	viewer->ready = false;
+	bool gone = process_wait(viewer, viewer_is_live(viewer) ? 1 : 20, &status);
 	killed = process_bury(viewer);
 	return gone ? status : killed;
 }
@@ -292,10 +328,10 @@ static bool message_send(struct viewer *viewer, const void *message, size_t byte
 
 static void slot_release(struct viewer *viewer, int k, bool failed)
 {
-	if (k < 0 || k >= N_SLOTS || !viewer->slots[k].busy)
+	if (k < 0 || k >= N_SLOTS || viewer->slots[k].state == SLOT_FREE)
 		return;
-	viewer->slots[k].busy = false;
-	viewer->n_failed += failed;
+	viewer->n_failed += failed && viewer->slots[k].state == SLOT_BUSY;
+	viewer->slots[k].state = SLOT_FREE;
 }
 
 static void message_handle(struct viewer *viewer, struct frame_message *message)
@@ -304,20 +340,34 @@ static void message_handle(struct viewer *viewer, struct frame_message *message)
 	switch (message->kind) {
 	case FRAME_MSG_READY:
 		viewer->ready = true;
+		viewer->cpu_start = process_cpu(viewer);
+		break;
+	case FRAME_MSG_KEPT:
+		if (message->slot >= 0 && message->slot < N_SLOTS && viewer->slots[message->slot].state == SLOT_BUSY)
+			viewer->slots[message->slot].state = SLOT_KEPT;
 		break;
 	case FRAME_MSG_DONE:
 		slot_release(viewer, message->slot, false);
 		break;
 	case FRAME_MSG_FAILED:
 		if (message->slot >= 0)
-			note(viewer, "picture not made: %s", message->text);
+			note(viewer, "%s: %s", viewer->purpose.kind == FRAME_MSG_IMAGES ? "picture not made" : "frame not used",
+				 message->text);
 		else
 			snprintf(viewer->given_up, sizeof viewer->given_up, "%s", message->text);
 		slot_release(viewer, message->slot, true);
 		break;
 	default:
+		if (viewer->hear)
+			viewer->hear(viewer->hear_data, message);
 		break;
 	}
+}
+
+void viewer_listen(struct viewer *viewer, void (*hear)(void *data, const struct frame_message *message), void *data)
+{
+	viewer->hear = hear;
+	viewer->hear_data = data;
 }
 
 enum answer { ANSWER, ANSWER_NONE, ANSWER_END };
@@ -346,7 +396,7 @@ static bool is_ready(const struct viewer *viewer) { return viewer->ready; }
 static int slot_free(const struct viewer *viewer)
 {
 	for (int k = 0; k < N_SLOTS; k++)
-		if (!viewer->slots[k].busy)
+		if (viewer->slots[k].state == SLOT_FREE)
 			return k;
 	return -1;
 }
@@ -356,7 +406,7 @@ static bool has_free_slot(const struct viewer *viewer) { return slot_free(viewer
 static bool is_idle(const struct viewer *viewer)
 {
 	for (int k = 0; k < N_SLOTS; k++)
-		if (viewer->slots[k].busy)
+		if (viewer->slots[k].state == SLOT_BUSY)
 			return false;
 	return true;
 }
@@ -387,14 +437,23 @@ static bool wait_until(struct viewer *viewer, bool (*reached)(const struct viewe
 	return alive;
 }
 
-/* Starts a process and hands it the images; waits until it is ready. */
-static int viewer_launch(struct viewer *viewer)
+/* Starts a process and tells it what it is for. */
+static int viewer_begin(struct viewer *viewer)
 {
 	CHECK(process_spawn(viewer));
-	struct frame_message message = {.kind = FRAME_MSG_IMAGES, .slot = -1, .image = -1, .n = viewer->n_images};
-	bool sent = message_send(viewer, &message, sizeof message);
-	for (int k = 0; sent && k < viewer->n_images; k++)
-		sent = message_send(viewer, &viewer->images[k], sizeof *viewer->images);
+	for (int k = 0; k < N_SLOTS; k++)
+		if (viewer->slots[k].state == SLOT_KEPT)
+			viewer->slots[k].state = SLOT_FREE;
+	bool sent = message_send(viewer, &viewer->purpose, sizeof viewer->purpose);
+	for (int k = 0; sent && k < viewer->n_parts; k++)
+		sent = message_send(viewer, viewer->parts + (size_t)k * viewer->part_bytes, viewer->part_bytes);
+	return STATUS_OK; /* if it died already, the next wait sees that */
+}
+
+/* The same, and waits until it is ready. */
+static int viewer_launch(struct viewer *viewer)
+{
+	CHECK(viewer_begin(viewer));
 	int kind = 0;
 	if (wait_until(viewer, is_ready, &kind))
 		return STATUS_OK;
@@ -411,7 +470,7 @@ static int viewer_give_up(struct viewer *viewer)
 	process_bury(viewer);
 	for (int k = 0; k < N_SLOTS; k++)
 		slot_release(viewer, k, true);
-	return error_set(STATUS_RESOURCE, "%s; no more pictures in this run", viewer->given_up);
+	return error_set(STATUS_RESOURCE, "%s; no more %s in this run", viewer->given_up, viewer_products(viewer));
 }
 
 static bool failure_is_new(struct viewer *viewer, int kind)
@@ -433,12 +492,12 @@ static bool resend(struct viewer *viewer)
 		struct slot *next = NULL;
 		for (int k = 0; k < N_SLOTS; k++) {
 			struct slot *slot = &viewer->slots[k];
-			if (slot->busy && slot->number > last && (!next || slot->number < next->number))
+			if (slot->state == SLOT_BUSY && slot->number > last && (!next || slot->number < next->number))
 				next = slot;
 		}
 		if (!next)
 			return true;
-		if (!message_send(viewer, &next->draw, sizeof next->draw))
+		if (!message_send(viewer, &next->request, sizeof next->request))
 			return false;
 		last = next->number;
 	}
@@ -456,7 +515,10 @@ static int viewer_recover(struct viewer *viewer, int kind)
 		return viewer_give_up(viewer);
 	}
 	note(viewer, "the viewer %s; starting it again", how);
-	if (viewer_launch(viewer) != STATUS_OK) {
+	if (viewer_is_live(viewer)) /* whoever watches sees the next frame, not those that the dead one had */
+		for (int k = 0; k < N_SLOTS; k++)
+			slot_release(viewer, k, true);
+	if ((viewer_is_live(viewer) ? viewer_begin : viewer_launch)(viewer) != STATUS_OK) {
 		if (!viewer->given_up[0])
 			snprintf(viewer->given_up, sizeof viewer->given_up, "%s", error_message());
 		return viewer_give_up(viewer);
@@ -484,42 +546,47 @@ static void viewer_free(struct viewer *viewer)
 			munmap(viewer->slots[k].map, (size_t)viewer->slots[k].capacity);
 	if (viewer->memory >= 0)
 		close(viewer->memory);
-	free(viewer->images);
+	free(viewer->parts);
 	free(viewer->log_path);
 	free(viewer);
 }
 
-static int viewer_create(struct viewer **out, const char *program, int n_images, const struct frame_image *images,
+static int viewer_create(struct viewer **out, const struct frame_message *purpose, const void *parts, size_t part_bytes,
 						 const char *log_path)
 {
+	*out = NULL;
+	const char *program = viewer_program();
+	if (!program)
+		return error_set(STATUS_RESOURCE, "tmdempm-viewer is not there: install paraview-dev, python3-paraview, "
+										  "libpython3-dev and xvfb and build with -DTMDEMPM_INSITU=ON (or name "
+										  "it in TMDEMPM_VIEWER)");
 	struct viewer *viewer = calloc(1, sizeof *viewer);
 	if (!viewer)
 		return error_set(STATUS_RESOURCE, "no memory for the viewer");
+	int n = purpose->kind == FRAME_MSG_LIVE ? 0 : purpose->n;
 	viewer->socket = viewer->memory = -1;
 	viewer->timeout = 60;
 	snprintf(viewer->program, sizeof viewer->program, "%s", program);
-	viewer->n_images = n_images;
-	viewer->images = malloc(sizeof *images * (size_t)(n_images ? n_images : 1));
+	viewer->purpose = *purpose;
+	viewer->n_parts = n, viewer->part_bytes = part_bytes;
+	viewer->parts = malloc(part_bytes * (size_t)n + 1);
 	viewer->log_path = log_path ? strdup(log_path) : NULL;
-	if (!viewer->images || (log_path && !viewer->log_path)) {
+	if (!viewer->parts || (log_path && !viewer->log_path)) {
 		viewer_free(viewer);
 		return error_set(STATUS_RESOURCE, "no memory for the viewer");
 	}
-	memcpy(viewer->images, images, sizeof *images * (size_t)n_images);
+	if (n)
+		memcpy(viewer->parts, parts, part_bytes * (size_t)n);
 	*out = viewer;
 	return STATUS_OK;
 }
 
-int viewer_start(struct viewer **viewer, int n_images, const struct frame_image *images, const char *log_path)
+static int viewer_start_for(struct viewer **viewer, const struct frame_message *purpose, const void *parts,
+							size_t part_bytes, const char *log_path)
 {
-	*viewer = NULL;
-	const char *program = viewer_program();
-	if (!program)
-		return error_set(STATUS_RESOURCE, "pictures need tmdempm-viewer, which is not there: install paraview-dev, "
-										  "python3-paraview and xvfb and build with -DTMDEMPM_INSITU=ON (or name "
-										  "it in TMDEMPM_VIEWER)");
 	struct viewer *made = NULL;
-	CHECK(viewer_create(&made, program, n_images, images, log_path));
+	*viewer = NULL;
+	CHECK(viewer_create(&made, purpose, parts, part_bytes, log_path));
 	int status = memory_create(made);
 	if (status == STATUS_OK)
 		status = viewer_launch(made);
@@ -531,42 +598,136 @@ int viewer_start(struct viewer **viewer, int n_images, const struct frame_image 
 	return STATUS_OK;
 }
 
-int viewer_draw(struct viewer *viewer, const void *frame, int64_t bytes, int image, const char *path)
+int viewer_start(struct viewer **viewer, int n_images, const struct frame_image *images, const char *log_path)
 {
-	struct frame_message draw = {.kind = FRAME_MSG_DRAW, .bytes = bytes, .image = image};
-	int status = viewer_await(viewer, has_free_slot);
-	if (status == STATUS_OK && snprintf(draw.text, sizeof draw.text, "%s", path) >= (int)sizeof draw.text)
-		status = error_set(STATUS_RESOURCE, "the path of a picture is too long: %s", path);
-	if (status == STATUS_OK) {
-		draw.slot = slot_free(viewer);
-		status = slot_fit(viewer, &viewer->slots[draw.slot], bytes);
+	struct frame_message purpose = {.kind = FRAME_MSG_IMAGES, .slot = -1, .image = -1, .n = n_images};
+	return viewer_start_for(viewer, &purpose, images, sizeof *images, log_path);
+}
+
+int viewer_start_scripts(struct viewer **viewer, int n_scripts, const char *const *scripts, const char *folder,
+						 const char *log_path)
+{
+	struct frame_message purpose = {.kind = FRAME_MSG_SCRIPTS, .slot = -1, .image = -1, .n = n_scripts};
+	*viewer = NULL;
+	struct frame_message *parts = calloc((size_t)n_scripts + 1, sizeof *parts);
+	if (!parts)
+		return error_set(STATUS_RESOURCE, "no memory for the viewer");
+	bool fits = snprintf(purpose.text, sizeof purpose.text, "%s", folder) < (int)sizeof purpose.text;
+	for (int k = 0; k < n_scripts; k++) {
+		parts[k] = (struct frame_message){.kind = FRAME_MSG_SCRIPT, .slot = -1, .image = -1};
+		fits &= snprintf(parts[k].text, sizeof parts[k].text, "%s", scripts[k]) < (int)sizeof parts[k].text;
 	}
-	if (status != STATUS_OK) {
-		viewer->n_failed++;
-		return status;
-	}
-	struct slot *slot = &viewer->slots[draw.slot];
-	memcpy(slot->map, frame, (size_t)bytes);
-	draw.offset = slot->offset;
-	slot->draw = draw;
-	slot->number = viewer->n_draws++;
-	slot->busy = true;
-	if (message_send(viewer, &draw, sizeof draw))
+	int status = fits ? viewer_start_for(viewer, &purpose, parts, sizeof *parts, log_path)
+					  : error_set(STATUS_RESOURCE, "the path of a script is too long");
+	free(parts);
+	return status;
+}
+
+int viewer_start_live(struct viewer **viewer, const char *host, int port, const char *log_path)
+{
+	struct frame_message purpose = {.kind = FRAME_MSG_LIVE, .slot = -1, .image = -1, .n = port};
+	snprintf(purpose.text, sizeof purpose.text, "%s", host);
+	return viewer_start_for(viewer, &purpose, NULL, 0, log_path);
+}
+
+/* Copies a frame into a free slot and asks for the work; there is one. */
+static int viewer_request(struct viewer *viewer, const void *frame, struct frame_message *request)
+{
+	request->slot = slot_free(viewer);
+	struct slot *slot = &viewer->slots[request->slot];
+	CHECK(slot_fit(viewer, slot, request->bytes));
+	memcpy(slot->map, frame, (size_t)request->bytes);
+	request->offset = slot->offset;
+	slot->request = *request;
+	slot->number = viewer->n_requests++;
+	slot->state = SLOT_BUSY;
+	if (message_send(viewer, request, sizeof *request))
 		return STATUS_OK;
 	return viewer_recover(viewer, process_reap_dying(viewer));
 }
 
+/* The same, waiting for the slot. */
+static int viewer_request_surely(struct viewer *viewer, const void *frame, struct frame_message *request)
+{
+	long long before = viewer->n_requests;
+	int status = viewer_await(viewer, has_free_slot);
+	if (status == STATUS_OK)
+		status = viewer_request(viewer, frame, request);
+	if (status != STATUS_OK && viewer->n_requests == before)
+		viewer->n_failed++; /* else its slot has been counted */
+	return status;
+}
+
+int viewer_draw(struct viewer *viewer, const void *frame, int64_t bytes, int image, const char *path)
+{
+	struct frame_message draw = {.kind = FRAME_MSG_DRAW, .bytes = bytes, .image = image};
+	if (snprintf(draw.text, sizeof draw.text, "%s", path) >= (int)sizeof draw.text) {
+		viewer->n_failed++;
+		return error_set(STATUS_RESOURCE, "the path of a picture is too long: %s", path);
+	}
+	return viewer_request_surely(viewer, frame, &draw);
+}
+
+int viewer_give(struct viewer *viewer, const void *frame, int64_t bytes, bool last)
+{
+	struct frame_message give = {.kind = FRAME_MSG_FRAME, .bytes = bytes, .image = -1, .n = last};
+	return viewer_request_surely(viewer, frame, &give);
+}
+
+int viewer_poll(struct viewer *viewer)
+{
+	if (viewer->given_up[0])
+		return viewer_give_up(viewer);
+	enum answer answer;
+	while ((answer = message_take(viewer, 0)) == ANSWER)
+		continue;
+	if (answer == ANSWER_END || viewer->given_up[0])
+		return viewer_recover(viewer, process_reap_dying(viewer));
+	return STATUS_OK;
+}
+
+bool viewer_idle(struct viewer *viewer)
+{
+	return viewer_poll(viewer) == STATUS_OK && viewer->ready && is_idle(viewer) && has_free_slot(viewer);
+}
+
+int viewer_offer(struct viewer *viewer, const void *frame, int64_t bytes, bool last)
+{
+	struct frame_message offer = {.kind = FRAME_MSG_FRAME, .bytes = bytes, .image = -1, .n = last};
+	return viewer_request(viewer, frame, &offer);
+}
+
+int viewer_descriptor(const struct viewer *viewer) { return viewer->socket; }
+
+void viewer_forgive(struct viewer *viewer) { viewer->n_failures = 0; }
+
 int viewer_flush(struct viewer *viewer) { return viewer_await(viewer, is_idle); }
+
+/* A live viewer may hang with its client: it has a moment for its last frame and to say goodbye, no more. */
+static void viewer_leave(struct viewer *viewer, const struct frame_message *quit)
+{
+	int status;
+	for (int tick = 0; tick < LIVE_GRACE && viewer->pid && !is_idle(viewer); tick++)
+		if (message_take(viewer, TICK_MS) == ANSWER_END)
+			break;
+	if (viewer->pid && send(viewer->socket, quit, sizeof *quit, MSG_NOSIGNAL | MSG_DONTWAIT) > 0 && is_idle(viewer))
+		process_wait(viewer, LIVE_GRACE / 2, &status);
+	process_bury(viewer);
+}
 
 int viewer_finish(struct viewer *viewer)
 {
 	if (!viewer)
 		return 0;
-	viewer_flush(viewer);
 	struct frame_message quit = {.kind = FRAME_MSG_QUIT, .slot = -1, .image = -1};
-	if (viewer->pid && message_send(viewer, &quit, sizeof quit))
-		process_reap_dying(viewer);
-	int failed = viewer->n_failed;
+	if (viewer_is_live(viewer)) {
+		viewer_leave(viewer, &quit);
+	} else {
+		viewer_flush(viewer);
+		if (viewer->pid && message_send(viewer, &quit, sizeof quit))
+			process_reap_dying(viewer);
+	}
+	int failed = viewer_is_live(viewer) ? 0 : viewer->n_failed;
 	viewer_free(viewer);
 	return failed;
 }

@@ -23,11 +23,13 @@
 #include "rve/packing.h"
 #include "rve/rve.h"
 
-static const char help_rve[] = "usage: tmdempm rve pack|load|info ...\n"
+static const char help_rve[] = "usage: tmdempm rve pack|load|info|show|extract ...\n"
 							   "\n"
-							   "  pack   makes a packing: the start state of an RVE\n"
-							   "  load   drives one RVE alone and writes its curve\n"
-							   "  info   says what is in a packing\n"
+							   "  pack     makes a packing: the start state of an RVE\n"
+							   "  load     drives one RVE alone and writes its curve\n"
+							   "  info     says what is in a packing or an RVE file\n"
+							   "  show     draws an RVE of a run, a packing or an RVE file\n"
+							   "  extract  takes an RVE out of a run: an RVE file that load drives on\n"
 							   "\n"
 							   "`tmdempm rve VERB --help` lists the options of each.\n";
 
@@ -52,6 +54,7 @@ static const char help_load[] =
 	"usage: tmdempm rve load --packing FILE --load isochoric|biaxial|shear|iso --rate R --strain E --out CURVE.csv\n"
 	"       tmdempm rve load --packing FILE --load path --path PATH.csv --out CURVE.csv\n"
 	"       tmdempm rve load --scene SCENE.cfg [--law NAME] --load path --path PATH.csv --out CURVE.csv\n"
+	"       tmdempm rve load --packing RVE.h5 --load path --path PATH.csv --skip N --out CURVE.csv\n"
 	"\n"
 	"Stress is tension-positive, strain is ln U.  The load is\n"
 	"  isochoric  L = diag(R, -R)\n"
@@ -60,8 +63,9 @@ static const char help_load[] =
 	"  iso        a servo no faster than R brings sigma to -P (--lateral) and holds it there\n"
 	"  path       rows duration,L11,L12,L21,L22,dT[,T,bonds] as a run records them in rve/NAME_path.csv\n"
 	"\n"
-	"  --packing FILE       .h5 or .csv; or one is generated (cached) from\n" PACKING_OPTIONS
-	"  --mu-pack M          friction while it is compressed\n"
+	"  --packing FILE       .h5 or .csv; an RVE file (rve extract) goes on with its state, its bonds and its law's\n"
+	"                       parameters, where --scene does not give others; or one is generated (cached) "
+	"from\n" PACKING_OPTIONS "  --mu-pack M          friction while it is compressed\n"
 	"  --scene FILE         takes all parameters, also the packing, from an RVE law of a scene;\n"
 	"  --law NAME           needed if the scene has several; --seed then chooses a variant's packing\n"
 	"  --set path=value     changes the scene as `tmdempm run` does; any number of times\n"
@@ -77,22 +81,25 @@ static const char help_load[] =
 	"  --strain-per-step S  a sub-step strains by min(R dt, S) (5e-5); of a path: the largest\n"
 	"  --rows N             rows after the first (200; of a path: all)\n"
 	"  --path FILE          the path to replay\n"
-	"  --out FILE.csv       the curve\n";
+	"  --skip N             without its first N rows: those that an RVE file has behind it (0)\n"
+	"  --out FILE.csv       the curve\n"
+	"  --save FILE.h5       the RVE at the end, as an RVE file\n";
 
 static const char help_info[] =
 	"usage: tmdempm rve info FILE.h5|FILE.csv\n"
 	"\n"
-	"Prints discs, cell, void ratio, stress, coordination, conductivity, elasticity, anisotropy.\n";
+	"Prints discs, cell, void ratio, stress, coordination, conductivity, elasticity, anisotropy; of an RVE file also\n"
+	"where it comes from.\n";
 
 /* ---- options ---- */
 
 enum { SETS_MAX = 64 };
 
 struct options {
-	const char *packing, *out, *load, *path, *lattice, *scene, *law;
+	const char *packing, *out, *load, *path, *lattice, *scene, *law, *save;
 	double pressure, mu, mu_pack, void_ratio, radius_min, radius_max, rate, strain, lateral, temperature,
 		strain_per_step, bond_beta, mu_bond, bond_melting;
-	long discs, seed, rows;
+	long discs, seed, rows, skip;
 	bool help;
 	int n_sets;
 	const char *sets[SETS_MAX];
@@ -131,6 +138,8 @@ static const struct option_rule rules[] = {
 	{"temperature", VALUE_NUMBER, AT(temperature), -HUGE_VAL, false, "a temperature change (K)", VERB_LOAD},
 	{"strain-per-step", VALUE_NUMBER, AT(strain_per_step), 0, true, "a strain above 0", VERB_LOAD},
 	{"rows", VALUE_COUNT, AT(rows), 1, false, "a whole number of rows, 1 or more", VERB_LOAD},
+	{"skip", VALUE_COUNT, AT(skip), 0, false, "a whole number of rows, 0 or more", VERB_LOAD},
+	{"save", VALUE_TEXT, AT(save), 0, false, "", VERB_LOAD},
 	{"mu-pack", VALUE_NUMBER, AT(mu_pack), 0, false, "a friction coefficient, 0 or more", VERB_LOAD},
 	{"bond-beta", VALUE_NUMBER, AT(bond_beta), 0, false, "a strength, 0 or more", VERB_LOAD},
 	{"mu-bond", VALUE_NUMBER, AT(mu_bond), 0, false, "a ratio of shear to tensile strength, 0 or more", VERB_LOAD},
@@ -239,18 +248,21 @@ static int missing(const char *option, const char *expected)
 }
 
 /* An output that could not be written is told before anything is computed. */
-static int check_out(const char *out, const char *end, const char *other)
+static int check_file(const char *option, const char *path, const char *end, const char *other)
 {
 	char folder[FILE_PATH];
-	if (!out)
-		return missing("out", "the file to write");
-	if (!file_has_end(out, end) && !(other && file_has_end(out, other)))
-		return usage_error("--out is %s, expected a name that ends in %s%s%s", out, end, other ? " or " : "",
+	if (!file_has_end(path, end) && !(other && file_has_end(path, other)))
+		return usage_error("--%s is %s, expected a name that ends in %s%s%s", option, path, end, other ? " or " : "",
 						   other ? other : "");
-	CHECK(file_folder(folder, out));
+	CHECK(file_folder(folder, path));
 	if (access(folder, W_OK) != 0)
-		return error_set(STATUS_RESOURCE, "cannot write %s: %s: %s", out, folder, strerror(errno));
+		return error_set(STATUS_RESOURCE, "cannot write %s: %s: %s", path, folder, strerror(errno));
 	return STATUS_OK;
+}
+
+static int check_out(const char *out, const char *end, const char *other)
+{
+	return out ? check_file("out", out, end, other) : missing("out", "the file to write");
 }
 
 static int no_files(const struct options *o)
@@ -338,6 +350,8 @@ static int check_load(const struct options *o, struct rve_drive *drive)
 			"--rate, --strain, --temperature and --bond-melting are not for --load path: the file says them");
 	if (!servo && !isnan(o->lateral))
 		return usage_error("--lateral is given with --load %s, expected it with biaxial or iso", o->load);
+	if (!path && o->skip > 0)
+		return usage_error("--skip is given with --load %s, expected it with --load path only", o->load);
 	if (!path && isnan(o->rate))
 		return missing("rate", "the strain rate in 1/s, as in --rate 1");
 	if (!path && isnan(o->strain))
@@ -351,6 +365,9 @@ static int check_load(const struct options *o, struct rve_drive *drive)
 								.rows = o->rows > 0 ? (int)o->rows
 										: path      ? 0
 													: 200,
+								.skip = (int)o->skip,
+								.install = o->bond_beta > 0.0,
+								.save = o->save,
 								.stop = &stop};
 	return STATUS_OK;
 }
@@ -400,6 +417,19 @@ static int from_scene(const struct options *o, struct rve_params *params, struct
 	return status;
 }
 
+/* What a load begins with: a packing, or an RVE that goes on. */
+struct start {
+	struct rve_packing *packing;
+	struct rve_file *file;
+};
+
+static void start_free(struct start *start)
+{
+	rve_packing_free(start->packing);
+	rve_file_free(start->file);
+	*start = (struct start){0};
+}
+
 static int get_packing(const struct options *o, const struct rve_params *params, struct rve_packing **packing)
 {
 	struct rve_packing_params how;
@@ -411,19 +441,22 @@ static int get_packing(const struct options *o, const struct rve_params *params,
 	return rve_packing_cached(packing, &how, params);
 }
 
-/* Parameters and packing of a load. */
-static int get_rve(const struct options *o, struct rve_params *params, struct rve_packing **packing)
+/* Parameters and start of a load. */
+static int get_rve(const struct options *o, struct rve_params *params, struct start *start)
 {
-	*packing = NULL;
 	rve_params_default(params);
 	if ((o->law || o->n_sets) && !o->scene)
 		return usage_error("--%s is given without --scene, expected the scene that it is for", o->law ? "law" : "set");
 	if (o->packing && makes_packing(o))
 		return usage_error("--packing and options for making one are both given, expected one of them");
+	if (o->packing && rve_file_is(o->packing)) {
+		CHECK(rve_file_read(&start->file, o->packing));
+		*params = start->file->params;
+	}
 	if (o->scene)
-		CHECK(from_scene(o, params, packing));
-	if (!*packing)
-		CHECK(get_packing(o, params, packing));
+		CHECK(from_scene(o, params, &start->packing));
+	if (!start->packing && !start->file)
+		CHECK(get_packing(o, params, &start->packing));
 	params->mu = or_default(o->mu, params->mu);
 	params->strain_per_step = or_default(o->strain_per_step, params->strain_per_step);
 	return STATUS_OK;
@@ -486,30 +519,43 @@ static int write_curve(const struct options *o, const struct rve_packing *packin
 	return STATUS_OK;
 }
 
-static int load_packing(const struct options *o, struct rve_drive *drive, const struct rve_params *params,
-						const struct rve_packing *packing)
+static int check_path(const struct options *o, const struct rve_path *path, const struct rve_file *from)
+{
+	if (o->skip >= path->n)
+		return usage_error("--skip %ld leaves nothing of the %d rows of %s", o->skip, path->n, o->path);
+	if (o->bond_beta > 0.0 && !path->bonded)
+		return usage_error("--bond-beta is given, but %s has no column that says when bonds are installed", o->path);
+	if (from && from->params.bond_strength > 0.0 && isfinite(from->params.bond_melting) && !path->bonded)
+		return usage_error("--path %s has no columns T,bonds, but the bonds of %s melt by temperature", o->path,
+						   o->packing);
+	return STATUS_OK;
+}
+
+static int drive_start(const struct options *o, struct rve_drive *drive, const struct rve_params *params,
+					   const struct start *start)
 {
 	struct rve_path path = {0};
 	bool servo = drive->load == RVE_LOAD_BIAXIAL || drive->load == RVE_LOAD_ISO;
-	if (servo && isnan(drive->pressure))
-		drive->pressure = packing->pressure;
+	if (servo && isnan(drive->pressure) && start->packing)
+		drive->pressure = start->packing->pressure;
 	if (servo && isnan(drive->pressure))
 		return missing("lateral", "the pressure to hold in Pa (this packing does not name its own)");
 	drive->strain_per_step = params->strain_per_step;
 	if (o->path)
 		CHECK(rve_path_read(&path, o->path));
 	drive->path = &path;
-	int status =
-		o->path && o->bond_beta > 0.0 && !path.bonded
-			? usage_error("--bond-beta is given, but %s has no column that says when bonds are installed", o->path)
-			: write_curve(o, packing, params, drive);
+	drive->from = start->file;
+	int status = o->path ? check_path(o, &path, start->file) : STATUS_OK;
+	if (status == STATUS_OK)
+		status = write_curve(o, start->packing, params, drive);
 	rve_path_free(&path);
 	return status;
 }
 
 /* Bonds as the options change them.  A load knows temperature changes only, so where bonds melt is said as one; a
  * scene's law says an absolute temperature, and the start is then that much below it. */
-static int set_bonds(const struct options *o, struct rve_params *params, struct rve_drive *drive)
+static int set_bonds(const struct options *o, struct rve_params *params, struct rve_drive *drive,
+					 const struct rve_file *from)
 {
 	params->bond_strength = or_default(o->bond_beta, params->bond_strength);
 	params->bond_mu = or_default(o->mu_bond, params->bond_mu);
@@ -518,6 +564,10 @@ static int set_bonds(const struct options *o, struct rve_params *params, struct 
 						   params->bond_strength, params->skin);
 	if (drive->load == RVE_LOAD_PATH || !(params->bond_strength > 0.0))
 		return STATUS_OK;
+	if (from && isnan(o->bond_melting) && !isnan(from->origin.T)) {
+		drive->start_temperature = from->origin.T;
+		return STATUS_OK;
+	}
 	if (isnan(o->bond_melting) && isfinite(params->bond_melting))
 		return missing("bond-melting", "how far above the start the scene's bonds melt, in K");
 	if (isinf(params->bond_melting))
@@ -530,25 +580,27 @@ static int cmd_load(const struct options *o)
 {
 	struct rve_drive drive;
 	struct rve_params params;
-	struct rve_packing *packing;
+	struct start start = {0};
 	struct sigaction act = {.sa_handler = on_signal}, old_int, old_term;
 	CHECK(no_files(o));
 	CHECK(check_load(o, &drive));
 	CHECK(check_out(o->out, ".csv", NULL));
-	int status = get_rve(o, &params, &packing);
+	if (o->save)
+		CHECK(check_file("save", o->save, ".h5", NULL));
+	int status = get_rve(o, &params, &start);
 	if (status == STATUS_OK)
-		status = set_bonds(o, &params, &drive);
+		status = set_bonds(o, &params, &drive, start.file);
 	if (status != STATUS_OK) {
-		rve_packing_free(packing);
+		start_free(&start);
 		return status;
 	}
 	stop = 0;
 	sigaction(SIGINT, &act, &old_int);
 	sigaction(SIGTERM, &act, &old_term);
-	status = load_packing(o, &drive, &params, packing);
+	status = drive_start(o, &drive, &params, &start);
 	sigaction(SIGINT, &old_int, NULL);
 	sigaction(SIGTERM, &old_term, NULL);
-	rve_packing_free(packing);
+	start_free(&start);
 	return status;
 }
 
@@ -594,11 +646,10 @@ static void print_origin(const char *path, const struct rve_packing *p)
 	printf("void ratio     %.6f\n", rve_packing_void_ratio(p));
 }
 
-static int print_state(const struct rve_model *model, void *state)
+static int print_state(const struct rve_model *model, const void *state)
 {
 	struct rve_info info;
 	double stress[4], k[3], modulus, a = 0.0, degrees = 0.0;
-	CHECK(rve_init(model, 0, state));
 	rve_evaluate(model, state, stress, k, &modulus);
 	rve_get_info(model, state, &info);
 	CHECK(anisotropy(model, state, &a, &degrees));
@@ -623,11 +674,48 @@ static int print_info(const char *path, const struct rve_packing *packing)
 	rve_params_default(&params);
 	CHECK(rve_model_create(&model, &params, 1, &packing));
 	void *state = aligned_alloc(64, (rve_state_bytes(model) + 63) / 64 * 64);
-	if (state)
+	int status = state ? rve_init(model, 0, state) : error_set(STATUS_RESOURCE, "no memory for an RVE");
+	if (status == STATUS_OK) {
 		print_origin(path, packing);
-	int status = state ? print_state(model, state) : error_set(STATUS_RESOURCE, "no memory for an RVE");
+		status = print_state(model, state);
+	}
 	free(state);
 	rve_model_free(model);
+	return status;
+}
+
+/* An RVE file: where it comes from, what has become of it. */
+static int print_rve(const char *path, const struct rve_file *file, const struct rve_model *model)
+{
+	struct rve_info info;
+	const struct rve_origin *origin = &file->origin;
+	rve_get_info(model, file->state, &info);
+	printf("RVE            %s, %d discs%s%s%s%s\n", path, rve_discs(model), *origin->law ? ", law " : "", origin->law,
+		   *origin->name ? ", inspected as " : "", origin->name);
+	if (origin->point >= 0)
+		printf("of             point %lld, step %lld, t = %.9g s\n", origin->point, origin->step, origin->time);
+	printf("cell           H = [%.9g %.9g; %.9g %.9g] m\n", info.H[0], info.H[1], info.H[2], info.H[3]);
+	printf("void ratio     %.6f\n", info.void_ratio);
+	printf("temperature    %.6g K from the reference of the radii\n", info.temperature);
+	if (info.bonds_installed > 0)
+		printf("bonds          %d of %d intact\n", info.bonds_intact, info.bonds_installed);
+	printf("bits           %016llx (a hash of the whole state)\n", file->hash);
+	printf("went through   %lld sub-steps%s%s\n", info.total_sub_steps, info.flags & RVE_GAS ? ", flies now" : "",
+		   info.flags & RVE_FROZEN ? ", is frozen now" : "");
+	return print_state(model, file->state);
+}
+
+static int info_rve(const char *path)
+{
+	struct rve_file *file;
+	struct rve_model *model;
+	CHECK(rve_file_read(&file, path));
+	int status = rve_file_model(&model, file, &file->params);
+	if (status == STATUS_OK) {
+		status = print_rve(path, file, model);
+		rve_model_free(model);
+	}
+	rve_file_free(file);
 	return status;
 }
 
@@ -635,7 +723,9 @@ static int cmd_info(const struct options *o)
 {
 	struct rve_packing *packing;
 	if (o->n_files != 1)
-		return usage_error("%d files are named, expected one packing (.h5 or .csv)", o->n_files);
+		return usage_error("%d files are named, expected one packing (.h5 or .csv) or RVE file", o->n_files);
+	if (rve_file_is(o->files[0]))
+		return info_rve(o->files[0]);
 	CHECK(rve_packing_read(&packing, o->files[0]));
 	int status = print_info(o->files[0], packing);
 	rve_packing_free(packing);

@@ -88,6 +88,7 @@ void rve_path_free(struct rve_path *path)
 
 struct driver {
 	const struct rve_drive *drive;
+	const struct rve_packing *packing;
 	struct rve_model *model;
 	void *state;
 	double strain_per_step, dt; /* s, macroscopic duration of one sub-step at the rate R */
@@ -96,7 +97,7 @@ struct driver {
 	double integral[3]; /* of the servo's relative errors: xx, yy, xy */
 	double F0[4];       /* inverse of F at the first row */
 	int reached;        /* iso: P has been reached */
-	int bonded;         /* the parameters have bonds */
+	int bonded;         /* bonds are installed before the load */
 	rve_row_function *row;
 	void *context;
 	struct rve_drive_report *report;
@@ -293,14 +294,14 @@ static int run_load(struct driver *d)
 static int run_path(struct driver *d)
 {
 	const struct rve_path *path = d->drive->path;
-	int rows = d->drive->rows == 0 || d->drive->rows > path->n ? path->n : d->drive->rows;
-	for (int k = 0, r = 1; k < path->n; k++) {
-		const double *row = path->rows[k];
+	int n = path->n - d->drive->skip, rows = d->drive->rows == 0 || d->drive->rows > n ? n : d->drive->rows;
+	for (int k = 0, r = 1; k < n; k++) {
+		const double *row = path->rows[d->drive->skip + k];
 		d->T = row[PATH_T];
 		CHECK(advance(d, row + PATH_L, row[PATH_DT], row[PATH_DURATION]));
 		if (row[PATH_BONDS] != 0.0)
 			rve_install_bonds(d->model, d->state);
-		if (k + 1 < (int)((double)path->n * r / rows + 0.5))
+		if (k + 1 < (int)((double)n * r / rows + 0.5))
 			continue;
 		CHECK(give_row(d));
 		r++;
@@ -353,39 +354,78 @@ static int run(struct driver *d)
 	return run_load(d);
 }
 
+static int make_model(struct driver *d, const struct rve_params *params)
+{
+	return d->drive->from ? rve_file_model(&d->model, d->drive->from, params)
+						  : rve_model_create(&d->model, params, 1, &d->packing);
+}
+
 /* Stepping of an element test: the strain of a sub-step is min(R dt_DEM, S), nothing clamps or scales it. */
-static int set_stepping(struct driver *d, const struct rve_packing *packing, struct rve_params *params)
+static int set_stepping(struct driver *d, struct rve_params *params)
 {
 	const struct rve_drive *drive = d->drive;
 	params->pressure_scaling = 0;
 	params->n_max = 0;
-	struct rve_model *model;
-	CHECK(rve_model_create(&model, params, 1, &packing));
-	d->strain_per_step = fmin(drive->rate * rve_time_step(model), drive->strain_per_step);
+	CHECK(make_model(d, params));
+	d->strain_per_step = fmin(drive->rate * rve_time_step(d->model), drive->strain_per_step);
 	d->dt = d->strain_per_step / drive->rate;
-	rve_model_free(model);
+	rve_model_free(d->model);
 	/* the largest eigenvalue of D counts, which is R/2 in simple shear; rve_advance() rounds sub-steps up, so a hair
 	 * more */
 	params->strain_per_step = d->strain_per_step * (drive->load == RVE_LOAD_SHEAR ? 0.5 : 1.0) * (1.0 + 1e-9);
 	return STATUS_OK;
 }
 
+/* The state in which the drive begins. */
+static int begin(struct driver *d)
+{
+	const struct rve_file *from = d->drive->from;
+	d->state = aligned_alloc(64, (rve_state_bytes(d->model) + 63) / 64 * 64);
+	if (!d->state)
+		return error_set(STATUS_RESOURCE, "no memory for an RVE");
+	if (!from)
+		return rve_init(d->model, 0, d->state);
+	memcpy(d->state, from->state, from->state_bytes);
+	return STATUS_OK;
+}
+
+/* The end as an RVE file.  Its temperature is known where the load or the state that it began with knew one. */
+static int save(const struct driver *d)
+{
+	const struct rve_drive *drive = d->drive;
+	struct rve_origin origin = {.point = -1, .T = NAN};
+	if (drive->from)
+		origin = drive->from->origin;
+	origin.T += drive->temperature;
+	if (drive->load == RVE_LOAD_PATH) {
+		origin.step += drive->path->n - drive->skip;
+		for (int k = drive->skip; k < drive->path->n; k++) {
+			origin.time += drive->path->rows[k][PATH_DURATION];
+			origin.T += drive->path->rows[k][PATH_DT];
+		}
+		if (drive->path->bonded)
+			origin.T = d->T;
+	}
+	return rve_file_write(drive->save, d->model, d->state, &origin);
+}
+
 int rve_drive(const struct rve_packing *packing, const struct rve_params *params, const struct rve_drive *drive,
 			  rve_row_function *row, void *context, struct rve_drive_report *report)
 {
 	struct rve_params p = *params;
-	struct driver d = {.drive = drive, .row = row, .context = context, .report = report};
-	d.bonded = params->bond_strength > 0.0;
+	struct driver d = {.drive = drive, .packing = packing, .row = row, .context = context, .report = report};
+	d.bonded = params->bond_strength > 0.0 && (!drive->from || drive->install);
 	*report = (struct rve_drive_report){0};
 	if (drive->load != RVE_LOAD_PATH)
-		CHECK(set_stepping(&d, packing, &p));
-	CHECK(rve_model_create(&d.model, &p, 1, &packing));
-	d.state = aligned_alloc(64, (rve_state_bytes(d.model) + 63) / 64 * 64);
-	int status = d.state ? rve_init(d.model, 0, d.state) : error_set(STATUS_RESOURCE, "no memory for an RVE");
+		CHECK(set_stepping(&d, &p));
+	CHECK(make_model(&d, &p));
+	int status = begin(&d);
 	if (status == STATUS_OK) {
 		status = run(&d);
 		rve_get_info(d.model, d.state, &report->last);
 	}
+	if (status == STATUS_OK && drive->save)
+		status = save(&d);
 	free(d.state);
 	rve_model_free(d.model);
 	return status;

@@ -6,6 +6,7 @@
 #include "base/field.h"
 #include "rve/packing.h"
 #include "rve/rve.h"
+#include "rve/rve_file.h"
 
 enum rve_load {
 	RVE_LOAD_ISOCHORIC, /* L = diag(R, -R) */
@@ -40,7 +41,11 @@ struct rve_drive {
 	double start_temperature; /* K, absolute, of the packing: what bonds melt by; a path says it itself */
 	double strain_per_step;   /* S: the strain of a sub-step is min(R dt_DEM, S); not for a path */
 	int rows;                 /* after the first; 0 = every row of a path */
+	int skip;                 /* rows at the beginning of the path that are left out */
 	const struct rve_path *path;
+	const struct rve_file *from; /* not NULL: goes on from this state; the packing is not looked at */
+	int install;              /* bonds are installed before the load also in a state that goes on */
+	const char *save;         /* not NULL: the RVE file that the end is written to */
 	const volatile int *stop; /* not NULL: STATUS_INTERRUPTED soon after it becomes non-zero */
 };
 
@@ -78,10 +83,10 @@ struct rve_drive_report {
 	struct rve_info last;
 };
 
-/* Drives one RVE that starts as `packing`.  The first row is the state in which the load begins: after heating
+/* Drives one RVE that starts as `packing`, or goes on from drive->from.  The first row is the state in which the load begins: after heating
  * and, for biaxial, after consolidation to P; ledgers and strain count from there (of a path: from birth).  Bonds, if
  * the parameters have any, are installed after the consolidation, before the heating (and a second consolidation); on a
- * path where its rows say so.
+ * path where its rows say so.  An RVE that goes on keeps the bonds that it has.
  * STATUS_GUARD when the RVE leaves its domain of validity, or the consolidation takes a strain of more than 0.5;
  * the rows until then have been given. */
 int rve_drive(const struct rve_packing *packing, const struct rve_params *params, const struct rve_drive *drive,

@@ -31,6 +31,19 @@ static void inspect_disc(const struct rve_model *model, const unsigned char *sta
 	disc->contacts = 0;
 }
 
+/* From the disc in row i to the nearest image of the one in row j, m, and that image's shift. */
+static void inspect_branch(const struct rve_model *model, const unsigned char *state, int i, int j, int shift[2],
+						   double *bx, double *by)
+{
+	const struct rve_layout *layout = &model->layout;
+	const double *H = ((const struct rve_head *)state)->H;
+	double sx = wrapped(rve_place(layout, state, j, 0)) - wrapped(rve_place(layout, state, i, 0));
+	double sy = wrapped(rve_place(layout, state, j, 1)) - wrapped(rve_place(layout, state, i, 1));
+	double kx = -rint(sx), ky = -rint(sy);
+	*bx = H[0] * (sx + kx) + H[1] * (sy + ky), *by = H[2] * (sx + kx) + H[3] * (sy + ky);
+	shift[0] = (int)kx, shift[1] = (int)ky;
+}
+
 /* How near an intact bond is to breaking below T_c. */
 static double bond_load(const struct rve_model *model, double normal, double tangential, double radii)
 {
@@ -52,11 +65,8 @@ int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, 
 	struct rve_disc a, b;
 	inspect_disc(model, state, i, &a);
 	inspect_disc(model, state, j, &b);
-	const double *H = head->H;
-	double sx = wrapped(rve_place(layout, state, j, 0)) - wrapped(rve_place(layout, state, i, 0));
-	double sy = wrapped(rve_place(layout, state, j, 1)) - wrapped(rve_place(layout, state, i, 1));
-	double kx = -rint(sx), ky = -rint(sy);
-	double bx = H[0] * (sx + kx) + H[1] * (sy + ky), by = H[2] * (sx + kx) + H[3] * (sy + ky);
+	double bx, by;
+	inspect_branch(model, state, i, j, contact->shift, &bx, &by);
 	double overlap = a.radius + b.radius - sqrt(bx * bx + by * by);
 	int bond = head->bonds_installed > 0 ? state[layout->flag + p] : BOND_NONE;
 	if (!(overlap > 0.0) && bond != BOND_INTACT)
@@ -66,8 +76,6 @@ int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, 
 	double tangential = rve_tangential(layout, state, p), cap = model->params.mu * normal;
 	contact->i = id[i];
 	contact->j = id[j];
-	contact->shift[0] = (int)kx;
-	contact->shift[1] = (int)ky;
 	contact->ends[0][0] = a.x, contact->ends[0][1] = a.y;
 	contact->ends[1][0] = a.x + bx, contact->ends[1][1] = a.y + by;
 	contact->normal_force = normal;
@@ -107,6 +115,42 @@ int rve_inspect(const struct rve_model *model, const void *state, struct rve_dis
 			n++;
 		}
 	return contacts && n > capacity ? capacity : n;
+}
+
+/* Fills a broken bond between discs that do not touch (any more); 0 if the slot holds none. */
+static int inspect_parted_slot(const struct rve_model *model, const unsigned char *state, int i, int p,
+							   struct rve_contact *contact)
+{
+	const struct rve_layout *layout = &model->layout;
+	const struct rve_head *head = (const struct rve_head *)state;
+	const index16 *id = (const index16 *)(state + layout->id);
+	int j = ((const index16 *)(state + layout->pair_j))[p];
+	struct rve_disc a, b;
+	if (head->bonds_installed == 0 || state[layout->flag + p] != BOND_BROKEN)
+		return 0;
+	inspect_disc(model, state, i, &a);
+	inspect_disc(model, state, j, &b);
+	double bx, by;
+	inspect_branch(model, state, i, j, contact->shift, &bx, &by);
+	if (a.radius + b.radius > hypot(bx, by))
+		return 0;
+	contact->i = id[i], contact->j = id[j], contact->bond = BOND_BROKEN;
+	contact->ends[0][0] = a.x, contact->ends[0][1] = a.y;
+	contact->ends[1][0] = a.x + bx, contact->ends[1][1] = a.y + by;
+	contact->normal_force = contact->tangential_force = contact->mobilisation = 0.0;
+	contact->sliding = 0;
+	return 1;
+}
+
+int rve_inspect_parted(const struct rve_model *model, const void *state, struct rve_contact *contacts, int capacity)
+{
+	int n = 0;
+	for (int level = 0; level < model->layout.levels; level++)
+		for (int row = 0; row < model->layout.n && n < capacity; row++) {
+			const int slot = rve_slot(&model->layout, state, row, level);
+			n += slot >= 0 && inspect_parted_slot(model, state, row, slot, &contacts[n]);
+		}
+	return n;
 }
 
 int rve_contact_capacity(const struct rve_model *model) { return model->layout.pairs; }

@@ -40,6 +40,9 @@ int rve_packing_cached(struct rve_packing **packing, const struct rve_packing_pa
 int rve_packing_read(struct rve_packing **packing, const char *path);
 int rve_packing_write(const struct rve_packing *packing, const char *path);
 
+/* Is it a packing in HDF5, by its first words? */
+int rve_packing_is(const char *path);
+
 /* Room for a packing, all zero but the two numbers; NULL without memory. */
 struct rve_packing *rve_packing_alloc(int discs, int contacts);
 void rve_packing_free(struct rve_packing *packing);

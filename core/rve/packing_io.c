@@ -498,6 +498,16 @@ static int read_h5(struct rve_packing **packing, const char *path, const char *k
 
 /* ---- the two by name ---- */
 
+int rve_packing_is(const char *path)
+{
+	char head[sizeof format_name] = "";
+	FILE *stream = fopen(path, "rbe");
+	size_t n = stream ? fread(head, 1, sizeof head - 1, stream) : 0;
+	if (stream)
+		fclose(stream);
+	return n == sizeof head - 1 && !strcmp(head, format_name);
+}
+
 static int wrong_end(const char *path)
 {
 	return error_set(STATUS_INPUT, "%s: unknown kind of packing, expected a name that ends in .h5 or .csv", path);

@@ -41,6 +41,12 @@ void rve_params_default(struct rve_params *params)
 								  .overlap_max = 0.5};
 }
 
+const char *rve_path_name(int path)
+{
+	static const char *const names[] = {"serial", "simd", "single"};
+	return names[path];
+}
+
 double rve_step_factor_limit(const struct rve_params *params)
 {
 	double zeta = params->damping_ratio;
@@ -363,6 +369,7 @@ unsigned char *rve_scratch(const struct rve_model *model, int thread)
 
 size_t rve_state_bytes(const struct rve_model *model) { return (size_t)model->layout.bytes; }
 int rve_discs(const struct rve_model *model) { return model->layout.n; }
+const char *rve_path(const struct rve_model *model) { return rve_path_name(model->params.path); }
 double rve_void_ratio(const struct rve_model *model, int variant) { return model->variants[variant].void_ratio; }
 double rve_time_step(const struct rve_model *model) { return model->constants.dt; }
 
@@ -719,7 +726,9 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 			}
 		}
 	}
-	return batch->failed < 0 ? STATUS_OK : report_failure(&model->params, batch->failed, worst);
+	if (batch->failed < 0)
+		return STATUS_OK;
+	return report_failure(&model->params, batch->number ? batch->number[batch->failed] : batch->failed, worst);
 }
 
 void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3],

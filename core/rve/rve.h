@@ -18,6 +18,9 @@ enum rve_code_path {
 	RVE_SIMD_SINGLE /* the same in single precision */
 };
 
+/* "serial", "simd", "single". */
+const char *rve_path_name(int path);
+
 struct rve_params {
 	int path;               /* enum rve_code_path; packings are made with RVE_SERIAL whatever it is */
 	double kn, ks;          /* N/m */
@@ -60,6 +63,7 @@ void rve_model_free(struct rve_model *model);
 
 size_t rve_state_bytes(const struct rve_model *model);
 int rve_discs(const struct rve_model *model);
+const char *rve_path(const struct rve_model *model); /* rve_path_name() of its own */
 double rve_void_ratio(const struct rve_model *model, int variant); /* of the start packing */
 
 /* A hash of the start packings (radii and states at birth): states go on with the packings they began with only. */
@@ -73,6 +77,7 @@ struct rve_batch {
 	int n;
 	unsigned char *states; /* base; state k begins at states + slot[k] * rve_state_bytes */
 	const int *slot;       /* NULL = 0, 1, 2 ... */
+	const int *number;     /* what messages call RVE k; NULL = k */
 	const double (*L)[4];  /* 1/s */
 	const double *dT;      /* temperature increment of this call, K */
 	const double *T;       /* absolute temperature at its end, K, at which bonds melt; NULL = they do not */
@@ -151,5 +156,9 @@ struct rve_contact {
  * Either pointer may be NULL. */
 int rve_inspect(const struct rve_model *model, const void *state, struct rve_disc *discs, struct rve_contact *contacts, int capacity);
 int rve_contact_capacity(const struct rve_model *model);
+
+/* The broken bonds whose discs have parted but are neighbours still, as contacts without force; those that are farther
+ * apart than the skin are forgotten. */
+int rve_inspect_parted(const struct rve_model *model, const void *state, struct rve_contact *contacts, int capacity);
 
 #endif

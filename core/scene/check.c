@@ -840,6 +840,22 @@ static const struct scene_law *law_of_point(const struct loader *loader, long id
 	return loader_clean(loader, "%s", path) ? &scene->laws[law] : NULL;
 }
 
+/* A rule needs something to choose from: bodies with RVEs, for broken bonds such with bonds. */
+static void check_rule(struct loader *loader, const struct scene_inspect *inspect, const char *path)
+{
+	const struct scene *scene = loader->scene;
+	bool bonds = !strcmp(inspect->rule, "most_broken"), found = false;
+	if (!loader_clean(loader, "laws") || !loader_clean(loader, "materials") || !loader_clean(loader, "bodies"))
+		return;
+	for (int m = 0; m < scene->n_materials; m++) {
+		const struct scene_law *law = scene->materials[m].law >= 0 ? &scene->laws[scene->materials[m].law] : NULL;
+		found |= law && law->type == SCENE_LAW_RVE && (!bonds || law->rve.bonds.strength > 0.0);
+	}
+	if (!found)
+		problem_of(loader, path, "has nothing to choose from, expected a law of type \"rve\"%s",
+				   bonds ? " with bonds" : "");
+}
+
 static void check_inspect(struct loader *loader)
 {
 	const struct scene *scene = loader->scene;
@@ -848,10 +864,15 @@ static void check_inspect(struct loader *loader)
 		const struct scene_inspect *inspect = &scene->inspect[k];
 		if (!clean_element(loader, "inspect", k))
 			continue;
-		bool at = !isnan(inspect->at[0]);
-		path_to(path, "inspect", k, at ? "at" : inspect->id >= 0 ? "id" : "");
-		if (at == (inspect->id >= 0)) {
-			problem_of(loader, path, "has %s, expected one of at = [x, y], id = n", at ? "two places" : "no place");
+		bool at = !isnan(inspect->at[0]), id = inspect->id >= 0, rule = inspect->rule[0];
+		path_to(path, "inspect", k, at ? "at" : id ? "id" : rule ? "rule" : "");
+		if (at + id + rule != 1) {
+			problem_of(loader, path, "has %s, expected one of at = [x, y], id = n, rule = \"hottest\"",
+					   at + id + rule ? "two places" : "no place");
+			continue;
+		}
+		if (rule) {
+			check_rule(loader, inspect, path);
 			continue;
 		}
 		if (all_points(loader) < 0)
@@ -904,6 +925,53 @@ static void check_images(struct loader *loader)
 	}
 }
 
+/* ---- contacts ---- */
+
+static bool same_pair(const struct scene_contact *a, const struct scene_contact *b)
+{
+	return a->n_bodies == b->n_bodies &&
+		   (a->n_bodies == 0 || (a->bodies[0] == b->bodies[0] && a->bodies[1] == b->bodies[1]) ||
+			(a->bodies[0] == b->bodies[1] && a->bodies[1] == b->bodies[0]));
+}
+
+static void check_contact(struct loader *loader, int k)
+{
+	const struct scene *scene = loader->scene;
+	const struct scene_contact *contact = &scene->contacts[k];
+	char path[PATH_LENGTH];
+	if (contact->n_bodies == 2 && contact->bodies[0] == contact->bodies[1])
+		problem_of(loader, path_to(path, "contacts", k, "bodies"), "names body '%s' twice, expected two bodies",
+				   scene->bodies[contact->bodies[0]].name);
+	for (int j = 0; j < k; j++)
+		if (clean_element(loader, "contacts", j) && same_pair(contact, &scene->contacts[j]))
+			problem_of(loader, path_to(path, "contacts", k, "bodies"),
+					   "is the same pair as contacts.[%d], expected one contact for a pair", j);
+	if (!scene->thermal.on && (contact->conductance > 0.0 || !isnan(contact->softening[0])))
+		problem_of(loader, path_to(path, "contacts", k, contact->conductance > 0.0 ? "conductance" : "softening"),
+				   "is given in a scene without heat, expected thermal.on = true");
+}
+
+static void check_contacts(struct loader *loader)
+{
+	const struct scene *scene = loader->scene;
+	if (scene->n_contacts == 0)
+		return;
+	for (int k = 0; k < scene->n_contacts; k++)
+		if (clean_element(loader, "contacts", k))
+			check_contact(loader, k);
+	if (!loader_clean(loader, "time") || !loader_clean(loader, "mpm"))
+		return;
+	/* heat that waits belongs to a field, and the next step may have others */
+	if (scene->thermal.on && scene->time.thermal_every > 1)
+		problem_of(loader, "time.thermal_every",
+				   "is %d, but with contacts heat flows in every step, expected 1, and thermal.time_scale for slow heat",
+				   scene->time.thermal_every);
+	if (scene->mpm.confining_pressure > 0.0)
+		problem_of(loader, "mpm.confining_pressure",
+				   "is %g Pa, but where bodies meet there is no telling which surface is free, expected 0 with contacts",
+				   scene->mpm.confining_pressure);
+}
+
 void check_scene(struct loader *loader)
 {
 	struct scene *scene = loader->scene;
@@ -924,6 +992,7 @@ void check_scene(struct loader *loader)
 	check_walls(loader);
 	check_follow(loader);
 	check_boundaries(loader);
+	check_contacts(loader);
 	check_probes(loader);
 	check_regions(loader);
 	check_inspect(loader);

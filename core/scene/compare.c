@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const free_settings[] = {"title", "output", "images", "inspect", "guards"};
+static const char *const free_settings[] = {"title", "output", "images", "inspect", "catalyst", "guards"};
 
 /* A guard that stands among a law's settings: in the elements of `list`, or in their groups `inner`. */
 static void compare_drop_overlap(config_setting_t *list, const char *inner)

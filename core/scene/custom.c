@@ -107,16 +107,36 @@ static bool to_kelvin(struct loader *loader, struct node *node, double *value, c
 	return false;
 }
 
+/* Two temperatures, K; false (recorded) if they are none. */
+static bool read_temperatures(struct loader *loader, const struct scene_key *key, struct node *node, double between[2],
+							  const char *path)
+{
+	if (!read_numbers(loader, key, node, 2, between, path))
+		return false;
+	for (int k = 0; k < 2; k++)
+		if (!to_kelvin(loader, node, &between[k], path))
+			return false;
+	return true;
+}
+
+void read_softening(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					const char *path)
+{
+	double given[2];
+	if (!read_temperatures(loader, key, node, given, path))
+		return;
+	if (!(given[0] < given[1]))
+		problem_at(loader, node->place, path, "does not rise, expected %s", key->expected);
+	memcpy((char *)target + key->offset, given, sizeof given);
+}
+
 void read_freezing(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
 				   const char *path)
 {
 	double *between = (double *)((char *)target + key->offset);
 	double given[2];
-	if (!read_numbers(loader, key, node, 2, given, path))
+	if (!read_temperatures(loader, key, node, given, path))
 		return;
-	for (int k = 0; k < 2; k++)
-		if (!to_kelvin(loader, node, &given[k], path))
-			return;
 	if (given[0] > given[1])
 		problem_at(loader, node->place, path, "falls, expected %s", key->expected);
 	memcpy(between, given, sizeof given);
@@ -308,6 +328,23 @@ void read_motion_parameters(struct loader *loader, const struct scene_key *key, 
 			problem_at(loader, node->children[k]->place, path, "has %s", error_message());
 }
 
+/* ---- contacts ---- */
+
+void read_contact_bodies(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+						 const char *path)
+{
+	struct scene_contact *contact = target;
+	if (!is_string_list(loader, key, node, path))
+		return;
+	if (node->n != 2) {
+		problem_at(loader, node->place, path, "has %d names, expected %s", node->n, key->expected);
+		return;
+	}
+	contact->n_bodies = 2;
+	for (int k = 0; k < 2; k++)
+		contact->bodies[k] = read_reference(loader, node->children[k], "bodies", path);
+}
+
 /* ---- stages ---- */
 
 void read_stage_walls(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
@@ -389,4 +426,28 @@ void read_range(struct loader *loader, const struct scene_key *key, struct node 
 		problem_at(loader, node->place, path, "is \"%s\", expected %s", node->string, key->expected);
 	else if (read_numbers(loader, key, node, 2, image->range, path) && image->range[0] >= image->range[1])
 		problem_at(loader, node->place, path, "is [%g, %g], expected min < max", image->range[0], image->range[1]);
+}
+
+/* ---- catalyst ---- */
+
+/* As with packings: absolute in the scene's text, so that it means the same wherever that is stored. */
+void read_pipelines(struct loader *loader, const struct scene_key *key, struct node *node, void *target,
+					const char *path)
+{
+	struct scene_catalyst *catalyst = target;
+	char absolute[PATH_MAX];
+	if (!is_string_list(loader, key, node, path))
+		return;
+	catalyst->pipelines = scene_alloc(loader, ((size_t)node->n + 1) * sizeof *catalyst->pipelines);
+	for (int k = 0; k < node->n; k++) {
+		struct node *script = node->children[k];
+		const char *seen =
+			script->place.line > 0 ? path_beside(loader, script->place.file, script->string) : script->string;
+		if (!realpath(seen, absolute) || access(absolute, R_OK)) {
+			problem_at(loader, script->place, path, "'%s' cannot be read, expected a script of ParaView Catalyst", seen);
+			continue;
+		}
+		script->string = loader_string(loader, absolute);
+		catalyst->pipelines[catalyst->n_pipelines++] = scene_string(loader, absolute);
+	}
 }

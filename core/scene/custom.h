@@ -22,10 +22,13 @@ READER(read_freezing);
 READER(read_box); /* lower corner at key->offset, upper at key->n_offset */
 READER(read_grid_follow);
 READER(read_stage_walls);
+READER(read_contact_bodies);
+READER(read_softening);
 READER(read_stage_then);
 READER(read_probe_where);
 READER(read_component);
 READER(read_range);
+READER(read_pipelines);
 
 #undef READER
 

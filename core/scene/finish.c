@@ -56,6 +56,13 @@ static void finish_materials(struct scene *scene, const struct node *materials)
 	}
 }
 
+static void finish_contacts(struct scene *scene, const struct node *contacts)
+{
+	for (int k = 0; k < scene->n_contacts; k++)
+		if (!node_find(contacts->children[k], "softening"))
+			scene->contacts[k].softening[0] = scene->contacts[k].softening[1] = NAN;
+}
+
 static void finish_walls(struct scene *scene)
 {
 	for (int k = 0; k < scene->n_walls; k++) {
@@ -79,9 +86,11 @@ static void finish_output(struct scene *scene)
 	output->history_every = otherwise(output->history_every, end / 200.0);
 	output->snapshot_every = otherwise(output->snapshot_every, end / 20.0);
 	output->checkpoint_every = otherwise(output->checkpoint_every, end / 10.0);
+	double pictures = output->snapshot_every > 0.0 ? output->snapshot_every : end / 20.0;
+	scene->catalyst.every = otherwise(scene->catalyst.every, pictures);
 	for (int k = 0; k < scene->n_images; k++) {
 		struct scene_image *image = &scene->images[k];
-		image->every = otherwise(image->every, output->snapshot_every > 0.0 ? output->snapshot_every : end / 20.0);
+		image->every = otherwise(image->every, pictures);
 		for (int a = 0; a < 2 && image->kind == SCENE_IMAGE_POINTS; a++) {
 			image->view[a] = otherwise(image->view[a], scene->grid.origin[a]);
 			image->view[a + 2] = otherwise(image->view[a + 2], scene->grid.origin[a] + scene->grid.size[a]);
@@ -110,6 +119,8 @@ void finish_scene(struct loader *loader)
 	if (scene->n_bodies)
 		finish_bodies(scene, node_find(loader->root, "bodies"));
 	finish_walls(scene);
+	if (scene->n_contacts)
+		finish_contacts(scene, node_find(loader->root, "contacts"));
 	for (int a = 0; a < 2; a++)
 		scene->grid.fixed[a] = otherwise(scene->grid.fixed[a], scene->grid.origin[a]);
 	for (int k = 0; k < scene->n_stages; k++) {

@@ -53,8 +53,8 @@ static const struct scene_key time_keys[] = {
 	END};
 
 static const struct scene_key mpm_keys[] = {
-	{.name = "shape", .type = KEY_CHOICE, AT(scene_mpm, shape), .value = "\"ugimp\"", CHOICES("ugimp", "linear"),
-	 .doc = "shape functions"},
+	{.name = "shape", .type = KEY_CHOICE, AT(scene_mpm, shape), .value = "\"ugimp\"", CHOICES("ugimp", "linear", "cpdi"),
+	 .doc = "shape functions: over the points' undeformed squares, from single places, or from the corners of their deformed domains"},
 	{.name = "transfer", .type = KEY_ENUM, AT(scene_mpm, transfer), .value = "\"flip\"", .choices = mpm_transfer_names,
 	 .doc = "how velocities go from the nodes to the points; tmdempm info says how"},
 	{.name = "xpic_order", .type = KEY_INT, AT(scene_mpm, xpic_order), .value = "2", .range = RANGE_WITHIN, .min = 1, .max = 100,
@@ -71,6 +71,8 @@ static const struct scene_key mpm_keys[] = {
 	 .range = RANGE_NOT_NEGATIVE, .doc = "damping rate of the nodes' velocity"},
 	{.name = "confining_pressure", .type = KEY_FLOAT, AT(scene_mpm, confining_pressure), .unit = "Pa", .value = "0.0",
 	 .range = RANGE_NOT_NEGATIVE, .doc = "pressure that acts on every free surface and follows it"},
+	{.name = "contact_fields", .type = KEY_INT, AT(scene_mpm, contact_fields), .absent = "one for each node", .range = RANGE_WITHIN, .min = 1, .max = 100000000,
+	 .doc = "most extra fields of nodes at which bodies meet, beyond the first of each node; only with contacts"},
 	END};
 
 static const struct scene_key thermal_keys[] = {
@@ -119,6 +121,11 @@ static const struct scene_key bonds_keys[] = {
 	 .doc = "at and below this temperature the strength of linear softening is whole"},
 	END};
 
+static const struct scene_key economy_keys[] = {
+	{.name = "twins", .type = KEY_BOOL, AT(scene_economy, twins), .value = "true",
+	 .doc = "RVEs that are equal bit for bit, and told the same, are computed once; changes no bit"},
+	END};
+
 #define LAW_KEYS \
 	{.name = "name", .type = KEY_NAME, AT(scene_law, name), .absent = "the material's name (in the list laws it is required)", \
 	 .doc = "by which materials refer to the law"}, \
@@ -147,6 +154,8 @@ static const struct scene_key rve_keys[] = {
 	 .doc = "between discs, once a stage has installed them; at contacts that carry force"},
 	{.name = "path", .type = KEY_ENUM, AT(scene_law, rve.path), .value = "\"auto\"", CHOICES("auto", "serial", "simd", "single"),
 	 .doc = "how RVEs are computed: plainly, the reference; in short vectors, twice as fast; the same in single precision; auto is serial"},
+	{.name = "economy", .type = KEY_GROUP, AT(scene_law, rve.economy), KEYS(economy_keys),
+	 .doc = "what need not be computed, and how wrong that may be"},
 	{.name = "kn", .type = KEY_FLOAT, AT(scene_law, rve.kn), .unit = "N/m", .value = "1e6", .range = RANGE_POSITIVE,
 	 .doc = "normal contact stiffness"},
 	{.name = "ks", .type = KEY_FLOAT, AT(scene_law, rve.ks), .unit = "N/m", .value = "1e6", .range = RANGE_NOT_NEGATIVE,
@@ -325,6 +334,24 @@ static const struct scene_key boundary_keys[] = {
 	 .doc = "until this time"},
 	END};
 
+static const struct scene_key contact_keys[] = {
+	{.name = "bodies", .type = KEY_CUSTOM, .absent = "every pair of bodies that no other contact names", .read = read_contact_bodies,
+	 .expected = "the names of two bodies: (\"a\", \"b\")", .doc = "names of the two bodies"},
+	{.name = "friction", .type = KEY_FLOAT, AT(scene_contact, friction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 100.0,
+	 .doc = "coefficient of friction"},
+	{.name = "softening", .type = KEY_CUSTOM, AT(scene_contact, softening), .absent = "friction does not depend on temperature", .read = read_softening,
+	 .expected = "two temperatures [whole at, gone at] that rise",
+	 .doc = "[whole at, gone at]: friction falls as ((gone - T) / (gone - whole))^2 with the temperature of the hotter body"},
+	{.name = "heat_share", .type = KEY_FLOAT, AT(scene_contact, heat_share), .value = "1.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "share of the friction work that heats the bodies, half each; where there is heat"},
+	{.name = "conductance", .type = KEY_FLOAT, AT(scene_contact, conductance), .unit = "W/(m2 K)", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "of heat, at conductance_pressure"},
+	{.name = "conductance_pressure", .type = KEY_FLOAT, AT(scene_contact, conductance_pressure), .unit = "Pa", .value = "1e6", .range = RANGE_POSITIVE,
+	 .doc = "the contact pressure at which it holds"},
+	{.name = "conductance_exponent", .type = KEY_FLOAT, AT(scene_contact, conductance_exponent), .value = "1.0", .range = RANGE_WITHIN, .min = 0.0, .max = 10.0,
+	 .doc = "it grows as (pressure / conductance_pressure) to this power"},
+	END};
+
 static const struct scene_key stage_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_stage, name), .required = true, .doc = "of the stage"},
 	{.name = "duration", .type = KEY_FLOAT, AT(scene_stage, duration), .unit = "s", .absent = "until time.end (the last stage only)",
@@ -363,6 +390,9 @@ static const struct scene_key inspect_keys[] = {
 	 .doc = "the RVE of the point nearest to [x, y] at the start"},
 	{.name = "id", .type = KEY_LONG, AT(scene_inspect, id), .absent = "only with another place", .range = RANGE_NOT_NEGATIVE,
 	 .doc = "or of the point with this number"},
+	{.name = "rule", .type = KEY_CHOICE, AT(scene_inspect, rule), .absent = "only with another place",
+	 CHOICES("hottest", "most_sheared", "highest_pressure", "most_broken"),
+	 .doc = "or whichever it is each time something is drawn or written (of equals the lowest number); no path is recorded"},
 	END};
 
 static const struct scene_key output_keys[] = {
@@ -400,6 +430,25 @@ static const struct scene_key image_keys[] = {
 	 .doc = "between pictures"},
 	END};
 
+static const struct scene_key live_keys[] = {
+	{.name = "on", .type = KEY_BOOL, AT(scene_live, on), .value = "false", .doc = "look for a listening ParaView without being told by --live"},
+	{.name = "host", .type = KEY_STRING, AT(scene_live, host), .count = SCENE_NAME, .value = "\"127.0.0.1\"", .doc = "where it listens"},
+	{.name = "port", .type = KEY_INT, AT(scene_live, port), .value = "22222", .range = RANGE_WITHIN, .min = 1, .max = 65534,
+	 .doc = "at this port; the data goes to the next one"},
+	{.name = "every", .type = KEY_INT, AT(scene_live, every), .value = "10", .range = RANGE_WITHIN, .min = 1, .max = 1000000000,
+	 .doc = "steps between frames that it is offered"},
+	{.name = "share", .type = KEY_FLOAT, AT(scene_live, share), .value = "0.2", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "of the run's time that this may take; beyond it frames thin out"},
+	END};
+
+static const struct scene_key catalyst_keys[] = {
+	{.name = "pipelines", .type = KEY_CUSTOM, .absent = "none", .read = read_pipelines,
+	 .expected = "a list of scripts: (\"../pipelines/images.py\", ...)", .doc = "scripts of ParaView Catalyst (Python), seen from this file"},
+	{.name = "every", .type = KEY_FLOAT, AT(scene_catalyst, every), .unit = "s", .absent = "output.snapshot_every", .range = RANGE_POSITIVE,
+	 .doc = "between frames that they get"},
+	{.name = "live", .type = KEY_GROUP, AT(scene_catalyst, live), KEYS(live_keys), .doc = "a ParaView that watches the run"},
+	END};
+
 static const struct scene_key guards_keys[] = {
 	{.name = "energy_residual", .type = KEY_FLOAT, AT(scene_guards, energy_residual), .value = "0.1", .range = RANGE_NOT_NEGATIVE,
 	 .doc = "share of the work done that may go astray before the run is stopped; 0 = off"},
@@ -435,6 +484,8 @@ static const struct scene_key root_keys[] = {
 	{.name = "walls", LIST(scene, walls, n_walls), KEYS(wall_keys), .absent = "none", .doc = "rigid walls"},
 	{.name = "boundaries", LIST(scene, boundaries, n_boundaries), KEYS(boundary_keys), .absent = "none",
 	 .doc = "values imposed on nodes, heat fluxes"},
+	{.name = "contacts", LIST(scene, contacts, n_contacts), KEYS(contact_keys), .absent = "none: bodies are welded where they meet",
+	 .doc = "bodies that touch and part, rub and exchange heat"},
 	{.name = "stages", LIST(scene, stages, n_stages), KEYS(stage_keys), .absent = "one stage until time.end",
 	 .doc = "protocols: stages of one run, one after the other"},
 	{.name = "probes", LIST(scene, probes, n_probes), KEYS(probe_keys), .absent = "none", .doc = "points recorded in history.csv"},
@@ -444,6 +495,7 @@ static const struct scene_key root_keys[] = {
 	 .doc = "RVEs written to files with their path, to be drawn"},
 	{.name = "output", .type = KEY_GROUP, AT(scene, output), KEYS(output_keys), .doc = "what is written, how often"},
 	{.name = "images", LIST(scene, images, n_images), KEYS(image_keys), .absent = "none", .doc = "pictures drawn during the run"},
+	{.name = "catalyst", .type = KEY_GROUP, AT(scene, catalyst), KEYS(catalyst_keys), .doc = "ParaView in the run: scripts, a live view"},
 	{.name = "guards", .type = KEY_GROUP, AT(scene, guards), KEYS(guards_keys), .doc = "limits at which a run is stopped"},
 	END};
 

@@ -501,6 +501,7 @@ void read_places(struct loader *loader)
 	PLACES(bodies, "bodies");
 	PLACES(walls, "walls");
 	PLACES(boundaries, "boundaries");
+	PLACES(contacts, "contacts");
 	PLACES(stages, "stages");
 	PLACES(probes, "probes");
 	PLACES(regions, "regions");

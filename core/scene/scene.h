@@ -52,7 +52,7 @@ struct scene_time {
 };
 
 struct scene_mpm {
-	char shape[SCENE_NAME]; /* "ugimp" (default), "linear": names of the table shapes[] */
+	char shape[SCENE_NAME]; /* "ugimp" (default), "linear", "cpdi": names of the table shapes[] */
 	enum mpm_transfer transfer;
 	enum mpm_order order;
 	int xpic_order;            /* m of XPIC(m), FMPM(m); default 2 */
@@ -60,6 +60,7 @@ struct scene_mpm {
 	double pic_fraction;       /* alpha_PIC, fraction per step, eqs. 25-27, of the steps that are FLIP; default 0 */
 	double damping_particle;   /* alpha_p, 1/s; default 0 */
 	double damping_grid;       /* alpha_g, 1/s; default 0 */
+	int contact_fields;        /* extra fields of nodes at which bodies meet; 0 = one for each node */
 	double confining_pressure; /* Pa; sigma + p_c I in the internal force (methods-mpm); default 0 */
 };
 
@@ -103,11 +104,16 @@ struct scene_bonds {
 };
 
 enum scene_rve_path { SCENE_RVE_AUTO, SCENE_RVE_SERIAL, SCENE_RVE_SIMD, SCENE_RVE_SINGLE };
+/* What is not computed; see law/twins.h. */
+struct scene_economy {
+	bool twins; /* RVEs that are equal bit for bit are computed once; true */
+};
 
 struct scene_law_rve {
 	struct scene_packing packing;
 	struct scene_bonds bonds;
 	enum scene_rve_path path; /* auto */
+	struct scene_economy economy;
 	double kn, ks;          /* N/m; 1e6 each */
 	double mu;              /* 0.5 */
 	double damping_ratio;   /* zeta; 0.2 */
@@ -232,6 +238,20 @@ struct scene_boundary {
 	struct scene_place place;
 };
 
+/* ---- contacts between bodies (DP-MPM): without one they are welded where they meet ---- */
+
+struct scene_contact {
+	int n_bodies;                /* 2, or 0: all pairs of bodies that no other contact names */
+	int bodies[2];
+	double friction;             /* 0 */
+	double softening[2];         /* K: at which friction holds, and at which none is left; NAN = it does not fall */
+	double heat_share;           /* share of the friction work that heats the bodies, half each; 1 */
+	double conductance;          /* W/(m2 K) at conductance_pressure; 0 */
+	double conductance_pressure; /* Pa; 1e6 */
+	double conductance_exponent; /* 1 */
+	struct scene_place place;
+};
+
 /* ---- stages ---- */
 
 struct scene_stage {
@@ -267,6 +287,7 @@ struct scene_inspect {
 	char name[SCENE_NAME];
 	long id; /* -1 = nearest to `at` in the initial body */
 	double at[2];
+	char rule[SCENE_NAME]; /* "" = a fixed point; else a name of rve_rules (run/rules.h), which chooses it anew */
 	struct scene_place place;
 };
 
@@ -296,6 +317,21 @@ struct scene_image {
 	struct scene_place place;
 };
 
+struct scene_live {
+	bool on;               /* false: only with --live */
+	char host[SCENE_NAME]; /* where a ParaView listens */
+	int port;              /* and the next one, for the data */
+	int every;             /* steps between frames */
+	double share;          /* of the run's time that the viewer may take */
+};
+
+struct scene_catalyst {
+	int n_pipelines;
+	char **pipelines; /* absolute paths of scripts */
+	double every;     /* s between frames for them; default output.snapshot_every */
+	struct scene_live live;
+};
+
 struct scene_guards {
 	double energy_residual; /* share of the work done that the residual may reach; 0 = off; default 0.1 */
 	double energy_created;  /* share of the work done that the time integration may make of nothing; 0 = off; default 0.75 */
@@ -322,12 +358,15 @@ struct scene {
 	struct scene_wall *walls;
 	struct scene_boundary *boundaries;
 	struct scene_stage *stages;
+	int n_contacts;
+	struct scene_contact *contacts;
 	int n_probes, n_regions, n_inspect, n_images;
 	struct scene_probe *probes;
 	struct scene_region *regions;
 	struct scene_inspect *inspect;
 	struct scene_image *images;
 	struct scene_output output;
+	struct scene_catalyst catalyst;
 	struct scene_guards guards;
 	void *storage; /* private: strings and arrays live here */
 };

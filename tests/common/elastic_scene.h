@@ -22,6 +22,7 @@ struct elastic_scene {
 	struct scene_wall walls[ELASTIC_MOST];
 	struct scene_boundary boundaries[ELASTIC_MOST];
 	struct scene_stage stages[ELASTIC_MOST];
+	struct scene_contact contacts[ELASTIC_MOST];
 	double vertices[2 * ELASTIC_MOST][8][2];
 	int n_polygons;
 };
@@ -45,6 +46,7 @@ static inline struct scene *elastic_scene_init(struct elastic_scene *s, int cell
 	scene->laws = s->laws, scene->n_laws = 1;
 	scene->materials = s->materials, scene->n_materials = 1;
 	scene->bodies = s->bodies, scene->walls = s->walls, scene->boundaries = s->boundaries, scene->stages = s->stages;
+	scene->contacts = s->contacts;
 	for (int k = 0; k < 2; k++) {
 		snprintf(s->laws[k].name, sizeof s->laws[k].name, "elastic%d", k);
 		s->laws[k].type = SCENE_LAW_THERMOELASTIC;
@@ -125,6 +127,18 @@ static inline struct scene_boundary *elastic_scene_boundary(struct elastic_scene
 								 .layer = s->scene.grid.cell,
 								 .until = INFINITY};
 	return b;
+}
+
+/* Between all bodies, until it is told which. */
+static inline struct scene_contact *elastic_scene_contact(struct elastic_scene *s, double friction)
+{
+	struct scene_contact *contact = &s->contacts[s->scene.n_contacts++];
+	*contact = (struct scene_contact){.friction = friction,
+									  .softening = {NAN, NAN},
+									  .heat_share = 1.0,
+									  .conductance_pressure = 1.0,
+									  .conductance_exponent = 1.0};
+	return contact;
 }
 
 static inline void elastic_scene_heat(struct elastic_scene *s, double expansion, double heat_capacity,

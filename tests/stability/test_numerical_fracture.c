@@ -49,13 +49,14 @@ static double parted(const struct mpm *mpm, const struct shape *shape)
 {
 	struct shape_lists lists;
 	const struct mpm_work *w = mpm_work(mpm);
-	int pairs = 0, apart = 0, nodes = shape->max_nodes;
+	int pairs = 0, apart = 0;
 	for (int a = 0; a < mpm->p.n; a++)
 		for (int b = 0; b < mpm->p.n; b++) {
 			if (mpm->p.id[b] != mpm->p.id[a] + 1 || mpm->p.x0[b][1] != mpm->p.x0[a][1])
 				continue;
 			const int two[2] = {a, b};
-			shape->fill(&w->shape_grid, 2, two, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
+			shape->fill(&w->shape_grid, &w->shape_points, 2, two, &lists);
+			const int nodes = lists.nodes;
 			bool shared = false;
 			for (int i = 0; i < nodes; i++)
 				for (int j = 0; j < nodes; j++)

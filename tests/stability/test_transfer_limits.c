@@ -185,15 +185,14 @@ static double unseen(struct mpm *mpm)
 	struct shape_lists lists;
 	const struct mpm_work *w = mpm_work(mpm);
 	double hidden = 0.0, all = 0.0;
-	int nodes = mpm->shape->max_nodes;
 	mpm_sort(mpm);
 	mpm_clear_grid(mpm);
 	mpm_points_to_grid(mpm);
 	for (int i = 0; i < w->n_inside; i++) {
 		int p = w->order[i];
 		double v[2] = {0.0, 0.0};
-		mpm->shape->fill(&w->shape_grid, 1, &p, (const double(*)[2])mpm->p.x, mpm->p.body, w->half, &lists);
-		for (int a = 0; a < nodes; a++)
+		mpm_lists(mpm, 1, &p, &lists);
+		for (int a = 0; a < lists.nodes; a++)
 			for (int c = 0; c < 2; c++)
 				if (w->sums[lists.node[a]].mass > 0.0)
 					v[c] += lists.weight[a] * w->sums[lists.node[a]].momentum[c] / w->sums[lists.node[a]].mass;

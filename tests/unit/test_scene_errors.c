@@ -88,7 +88,7 @@ static const struct {
 	{"[2, 1.0]", "2", "grid.size is an integer, expected two numbers [x, y] > 0 (m)"},
 	{"friction = 0.5", "friction = true", "walls.[0].friction is true/false, expected a number from 0 to 100"},
 	{"mpm = { shape = \"ugimp\"; };", "mpm = 3;", "mpm is an integer, expected a group { ... }"},
-	{"shape = \"ugimp\"", "shape = \"gimp\"", "mpm.shape is \"gimp\", expected one of \"ugimp\", \"linear\""},
+	{"shape = \"ugimp\"", "shape = \"gimp\"", "mpm.shape is \"gimp\", expected one of \"ugimp\", \"linear\", \"cpdi\""},
 	{"laws = ( {", "laws = ( 5, {", "laws.[0] is an integer, expected a group { ... }"},
 	{"name = \"roof\"", "name = \"the roof\"", "is \"the roof\", expected a name of letters, digits, _ and -"},
 	{"type = \"thermoelastic\"", "type = \"elastic\"",
@@ -418,7 +418,8 @@ static void wrong_overrides(void **state)
 		 "--set materials.g.law.packing.discs=3: materials.[1].law.packing.discs is 3"},
 		{"materials.m.law.packing.discs=3", "materials.[0].law is a string, expected a list to take 'packing' of"},
 		{"laws.law.kn=3", "laws.law.kn is not known, expected a key of the scene such as laws.[].kn"},
-		{"mpm.shape=cpdi", "--set mpm.shape=cpdi: mpm.shape is \"cpdi\", expected one of \"ugimp\", \"linear\""},
+		{"mpm.shape=bspline",
+		 "--set mpm.shape=bspline: mpm.shape is \"bspline\", expected one of \"ugimp\", \"linear\", \"cpdi\""},
 		{"grid=", "syntax error"},
 		{"walls=(", "'(' is never closed, expected ')'"},
 	};

@@ -13,7 +13,8 @@
 #include "mpm/mpm.h"
 #include "mpm/mpm_private.h"
 
-static const char *const shape_names[] = {"ugimp", "linear"};
+static const char *const shape_names[] = {"ugimp", "linear", "cpdi"};
+enum { LINEAR = 1, SHAPES = 3 };
 
 /* Every scheme that a scene can ask for. */
 struct scheme {
@@ -68,10 +69,11 @@ static double angular_momentum(const struct mpm *mpm)
 enum { STEPS = 300, STEPS_LINEAR = 80 };
 
 /* A free square that moves and spins, for a quarter of a turn. */
-static struct mpm *spinning(struct elastic_scene *s, const struct scheme *scheme, int order, bool linear, double *spin)
+static struct mpm *spinning(struct elastic_scene *s, const struct scheme *scheme, int order, int shape, double *spin)
 {
+	const bool linear = shape == LINEAR;
 	struct scene *scene = elastic_scene_init(s, 20, 20, 0.1, 1e6, 0.3, 1000.0, 1e-3);
-	choose(scene, scheme, order, shape_names[linear]);
+	choose(scene, scheme, order, shape_names[shape]);
 	double at = linear ? 0.6 : 0.63, omega = linear ? 0.5 : 5.0;
 	elastic_scene_box(s, 4, at, at, at + 0.6, at + 0.6);
 	struct mpm *mpm = start(scene);
@@ -85,18 +87,18 @@ static struct mpm *spinning(struct elastic_scene *s, const struct scheme *scheme
 	return mpm;
 }
 
-/* Momentum to round-off by every scheme, angular momentum to round-off by APIC with uGIMP. */
+/* Momentum to round-off by every scheme, angular momentum to round-off by APIC with uGIMP and CPDI. */
 static void test_momentum(void **state)
 {
 	(void)state;
-	for (int k = 0; k < 2 * ORDERS * SCHEMES; k++) {
-		const struct scheme *scheme = &schemes[k / 2 % SCHEMES];
-		int order = k / 2 / SCHEMES, linear = k % 2;
+	for (int k = 0; k < SHAPES * ORDERS * SCHEMES; k++) {
+		const struct scheme *scheme = &schemes[k / SHAPES % SCHEMES];
+		int order = k / SHAPES / SCHEMES, shape = k % SHAPES, linear = shape == LINEAR;
 		if (!allowed(scheme, order))
 			continue;
 		struct elastic_scene s;
 		double spin, worst = 0.0;
-		struct mpm *mpm = spinning(&s, scheme, order, linear, &spin);
+		struct mpm *mpm = spinning(&s, scheme, order, shape, &spin);
 		double px = sum_momentum(mpm, 0), py = sum_momentum(mpm, 1), mass = sum_mass(mpm);
 		double before = angular_momentum(mpm);
 		for (int step = 0; step < (linear ? STEPS_LINEAR : STEPS); step++) {
@@ -105,7 +107,7 @@ static void test_momentum(void **state)
 			assert_near(sum_momentum(mpm, 1), py, 1e-12 * mass);
 			worst = fmax(worst, fabs(angular_momentum(mpm) - before));
 		}
-		print_message("%-5s %-7s %-24s spin changes by %.2g of itself\n", mpm_order_names[order], shape_names[linear],
+		print_message("%-5s %-7s %-24s spin changes by %.2g of itself\n", mpm_order_names[order], shape_names[shape],
 					  name_of(scheme), worst / spin);
 		if (scheme->transfer == MPM_APIC && !linear)
 			assert_true(worst < 1e-12 * spin);
@@ -118,14 +120,14 @@ static void test_momentum(void **state)
 static void test_ledger(void **state)
 {
 	(void)state;
-	for (int k = 0; k < 2 * ORDERS * SCHEMES; k++) {
-		const struct scheme *scheme = &schemes[k / 2 % SCHEMES];
-		int order = k / 2 / SCHEMES, linear = k % 2;
+	for (int k = 0; k < SHAPES * ORDERS * SCHEMES; k++) {
+		const struct scheme *scheme = &schemes[k / SHAPES % SCHEMES];
+		int order = k / SHAPES / SCHEMES, shape = k % SHAPES, linear = shape == LINEAR;
 		if (!allowed(scheme, order))
 			continue;
 		struct elastic_scene s;
 		struct scene *scene = elastic_scene_init(&s, 40, 16, 0.1, 1e6, 0.2, 1000.0, 5e-4);
-		choose(scene, scheme, order, shape_names[linear]);
+		choose(scene, scheme, order, shape_names[shape]);
 		scene->gravity[1] = -9.81;
 		scene->mpm.damping_particle = 0.1, scene->mpm.damping_grid = 0.1;
 		scene->mpm.confining_pressure = 500.0;
@@ -143,7 +145,7 @@ static void test_ledger(void **state)
 		}
 		double work = mpm_work(mpm)->total.scale;
 		print_message("%-5s %-7s %-24s residual %.2g, numerical loss %.3g of the work %.4g J\n", mpm_order_names[order],
-					  shape_names[linear], name_of(scheme), worst / work, mpm->ledger.loss_numerical / work, work);
+					  shape_names[shape], name_of(scheme), worst / work, mpm->ledger.loss_numerical / work, work);
 		assert_true(worst < 1e-6 * work);
 		mpm_free(mpm);
 	}

@@ -1,0 +1,62 @@
+/* Bodies that touch: several velocity and temperature fields at a node, and what acts between them
+ * (DP-MPM sections 3.2 and 3.3).
+ *
+ * A node at which two bodies meet carries one field for each of them.  The first field lives in the grid's own node;
+ * the others get a slot from a pool that lies behind the grid's nodes in every array by node, in rows of their own.
+ * The lists of (node, weight, gradient) of the points that belong to such a field are sent to its slot as they are
+ * filled, so that every pass over points or rows of nodes works on fields without knowing of them.  Nothing of this
+ * exists in a scene without contacts: no slot, no pass, no branch but one.
+ *
+ * Bodies of one label share a field: those that no contact of the scene names.  Fields of two labels without a contact
+ * between them are bonded: they evolve with the acceleration of their sum.
+ *
+ * In a step, after the nodes' free step and before the walls: units (fields, or fields bonded to each other) that move
+ * into each other and touch exchange the impulse that stops them, and a Coulomb share of what stops their slip. */
+#ifndef TMDEMPM_CONTACT_CONTACT_H
+#define TMDEMPM_CONTACT_CONTACT_H
+
+#include <stddef.h>
+
+struct mpm;
+struct shape_lists;
+
+enum { CONTACT_FIELDS_MOST = 8 }; /* at one node */
+
+/* How many slots a scene's pool has: 0 without contacts. */
+int contact_slots(const struct mpm *mpm);
+
+/* And how many are in use in this step. */
+int contact_slots_used(const struct mpm *mpm);
+
+/* Sets work->contact (NULL if the scene has no contacts).  STATUS_RESOURCE for lack of memory. */
+int contact_create(struct mpm *mpm);
+void contact_free(struct mpm *mpm);
+size_t contact_memory(const struct mpm *mpm);
+
+/* After the points have been sorted, before they go to the grid: which fields meet where in this step.
+ * STATUS_GUARD, with the node and the cure, if a node would need more fields than there are. */
+int contact_find_fields(struct mpm *mpm);
+
+/* The grid's node of a node or slot. */
+int contact_home(const struct mpm *mpm, int node);
+
+/* Sends the lists of n points, just filled, to the slots of their fields. */
+void contact_redirect(const struct mpm *mpm, int n, const int *point, struct shape_lists *lists);
+
+/* After the points have gone to the grid: the sums that normals and gaps come from. */
+void contact_gather(struct mpm *mpm);
+
+/* After the nodes' free step: the contact forces' change of the new velocities. */
+void contact_apply(struct mpm *mpm);
+
+/* When the new velocities are final: where the work of the contacts went, and the pressure at the points. */
+void contact_account(struct mpm *mpm);
+
+/* Heat that flows between and into the fields of a node in one pass of dt seconds of thermal time: adds to the nodes'
+ * flows, W.  Conduction adds up to zero. */
+void contact_exchange_heat(struct mpm *mpm, double dt);
+
+/* Adds the sums of this step to the ledger. */
+void contact_add_to_ledger(struct mpm *mpm);
+
+#endif

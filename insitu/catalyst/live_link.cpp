@@ -1,0 +1,3 @@
+#include "live_link.h"
+
+vtkStandardNewMacro(live_link);
