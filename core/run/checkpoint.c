@@ -241,7 +241,7 @@ int checkpoint_look(const char *path, struct mpm *mpm)
 {
 	hid_t file;
 	CHECK(checkpoint_open(&file, path, true));
-	int status = checkpoint_check_path(file, path, false);
+	int status = checkpoint_check_path(file, path, mpm, false);
 	if (status == STATUS_OK)
 		status = checkpoint_read_state(file, path, mpm);
 	H5Fclose(file);

@@ -105,7 +105,7 @@ static void unpack_disc(const struct rve_model *model, const unsigned char *pack
 static void pack_pair(const struct rve_model *model, const unsigned char *serial, int from, unsigned char *packed, int to)
 {
 	const struct rve_layout *s = &model->serial, *p = &model->layout;
-	set_number(p, packed + p->ft, to, ((const real *)(serial + s->ft))[from]);
+	set_number(p, packed + p->ft, to, ((const real *)(serial + s->ft))[from] + 0.0); /* no -0 */
 	((real32 *)(packed + p->fd))[to] = ((const real32 *)(serial + s->fd))[from];
 	((real32 *)(packed + p->damping))[to] = ((const real32 *)(serial + s->damping))[from];
 	packed[p->flag + to] = serial[s->flag + from];

@@ -353,8 +353,9 @@ VECFN void packed_pairs(const struct packed_pointers at, const struct packed_con
 		spring = vec_select(holds, force, spring);
 		cap = vec_select(holds, vec_set((num)1e30), cap);
 	}
-	/* + 0: no -0 */
-	const vec ft = vec_max(vec_min(trial, cap), -cap) + zero, fd = fn - spring;
+	/* exactly +0, not -0, where there is no force, as where pairs are left out */
+	const mask joined = bonds ? mask_or(touches, holds) : touches;
+	const vec ft = vec_where(joined, vec_max(vec_min(trial, cap), -cap) + zero), fd = vec_where(joined, fn - spring);
 	vec slip = (ft_old + ft) * (trial - ft);
 	if (bonds) {
 		if (mask_any(breaks)) {
@@ -380,7 +381,7 @@ VECFN void packed_pairs(const struct packed_pointers at, const struct packed_con
 	SUM(LANE_DASHPOT) -= (fd_old + fd) * un;
 	if (!last)
 		return;
-	const vec touching = vec_where(touches | holds, one), pressed = bonds ? vec_size(fn) : fn;
+	const vec touching = vec_where(joined, one), pressed = bonds ? vec_size(fn) : fn;
 	if (bonds)
 		SUM(LANE_BONDS) += vec_where(holds, one);
 	const vec l = touching * length, ll = l * length, xx = nx * nx, yy = ny * ny, xy = nx * ny;

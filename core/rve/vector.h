@@ -273,8 +273,10 @@ VECFN void vec_fetch2(const num *const p[VECTOR_WIDTH], int k, vec *a, vec *b)
 	*a = (vec)_mm_unpacklo_pd(even, odd);
 	*b = (vec)_mm_unpackhi_pd(even, odd);
 #else
+	vec first = {0}, second = {0};
 	for (int d = 0; d < VECTOR_WIDTH; d++)
-		(*a)[d] = p[d][k], (*b)[d] = p[d][k + 1];
+		first[d] = p[d][k], second[d] = p[d][k + 1];
+	*a = first, *b = second;
 #endif
 #else
 #if defined(VECTOR_512)
@@ -296,8 +298,10 @@ VECFN void vec_fetch2(const num *const p[VECTOR_WIDTH], int k, vec *a, vec *b)
 #undef PLACE
 #undef COUPLE
 #else
+	vec first = {0}, second = {0};
 	for (int d = 0; d < VECTOR_WIDTH; d++)
-		(*a)[d] = p[d][k], (*b)[d] = p[d][k + 1];
+		first[d] = p[d][k], second[d] = p[d][k + 1];
+	*a = first, *b = second;
 #endif
 #endif
 }
