@@ -31,15 +31,15 @@ def curve(path):
         return list(csv.reader(stream))
 
 
-def driven_on(f, name, source, time, *options):
+def driven_on(f, name, source, time, *options, out=None, at_end=None):
     """A state from the middle, driven along the rest of its path, is that of the end, bit for bit; so is the curve."""
-    out = f("out")
+    out = out or f("out")
     middle, end, again, rest = f("middle.h5"), f("end.h5"), f("again.h5"), f("rest.csv")
     said = shown(source, "--name", name, *time, "--out", middle, verb="extract")
     command = shlex.split(said["drive it on"])
     expect(command[:3] == ["tmdempm", "rve", "load"] and "--skip" in command, said["drive it on"])
     tmdempm(*command[1:-1], rest, "--save", again)
-    tmdempm("rve", "extract", out, "--name", name, "--out", end)
+    tmdempm("rve", "extract", out, *(at_end or ["--name", name]), "--out", end)
     expect(info(middle)["bits"] != info(end)["bits"], "nothing has happened since the middle")
     expect(info(again)["bits"] == info(end)["bits"], "%s from %s: the state at the end is another" % (name, source))
     whole = f("whole.csv")
@@ -86,6 +86,16 @@ def rules(f):
 def unit(folder, field):
     """' [Pa]' of a field in history.csv."""
     return [name for name in history(folder)[0] if name.startswith("P0.%s" % field)][0][len("P0." + field):]
+
+
+def steered(f, cfg):
+    """An RVE that steering begins to inspect in the middle has a path from there on; it is found, and driven on, too."""
+    log = f.write("steer.csv", "time [s],step,source,command\n0.05,500,test,inspect.C=point:9\n")
+    out = f("steered")
+    tmdempm("run", cfg, "--out", out, "--steering", log)
+    driven_on(f, "C", out, ["--time", 0.08], out=out, at_end=["--point", 9])
+    said = shown(os.path.join(out, "snap", "00000800.h5"), "--point", 9, "--out", f("C.h5"), verb="extract")
+    expect("C_00000500_path.csv --skip 300 " in said["drive it on"], said["drive it on"])
 
 
 def missing(f, cfg):
@@ -146,6 +156,7 @@ with Folder() as f:
     os.rename(driven, f("out", "half.h5"))
     driven_on(f, "A", f("out", "half.h5"), [])
     rules(f)
+    steered(f, cfg)
     missing(f, cfg)
     refused(f, cfg)
     # an RVE in the middle of its life is loaded as a packing is: with its history, and its law's friction
