@@ -47,6 +47,7 @@ struct rve_motion {
 	double dT;       /* K, by which the temperature rises */
 	double T;        /* K, absolute, at the end */
 	double duration; /* s */
+	const unsigned char *ahead; /* the state that the thread works on next, or NULL */
 };
 
 /* sub_steps of dt_DEM that share the motion; sub_steps = 0 measures the state.  `rebuild`: the neighbour list is not

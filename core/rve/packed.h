@@ -30,6 +30,7 @@ struct packed_place {
 	const struct rve_call *call;
 	const num *table; /* records of PACKED_TABLE numbers, in the packing's order */
 	unsigned char *state;
+	const unsigned char *ahead;
 	struct rve_head *head;
 	double H_inv[4], scale, scale_step, bond_temperature, bond_force;
 	double displacement, second; /* m: the two largest non-affine ways since the list was made */
@@ -105,10 +106,11 @@ static inline void packed_cell_step(struct packed_place *at)
 /* One RVE, call->sub_steps sub-steps.  `scratch` is layout->scratch bytes, 64-byte aligned. */
 KERNEL(rve_packed)
 (const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
- GLOBAL const void *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
+ GLOBAL const void *table, GLOBAL unsigned char *state, GLOBAL const unsigned char *ahead, LOCAL unsigned char *scratch,
+ int *status)
 {
 	struct packed_place place = {
-		.layout = layout, .constants = constants, .call = call, .table = table, .state = state};
+		.layout = layout, .constants = constants, .call = call, .table = table, .state = state, .ahead = ahead};
 	struct packed_place *at = &place;
 	packed_open(at, scratch);
 	packed_load(at);

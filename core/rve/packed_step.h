@@ -442,7 +442,11 @@ VECFN void packed_contacts_of_kind(struct packed_place *at, const int last, cons
 #pragma GCC unroll 32
 	for (int field = 0; field < fields; field++)
 		EACH_PART sum.of[field][part] = vec_set(0);
+	const int share = (at->layout->flag / blocks + 63) / 64 * 64; /* of what is read of each state */
 	for (int block = 0; block < blocks; block++) {
+		if (last && at->ahead)
+			for (int k = 0; k < share; k += 64)
+				__builtin_prefetch(at->ahead + block * share + k, 1, 2);
 		struct packed_side side[BLOCK_PARTS];
 		EACH_PART packed_side_load(at, &contact, &side[part], block * LANE_COUNT + part * VECTOR_WIDTH);
 		for (int level = first[block]; level < first[block + 1]; level++)
