@@ -105,8 +105,8 @@ struct bench_case {
 	int cells, sub_steps; /* RVEs, and sub-steps in one call */
 };
 
-/* The first rebuilds its list about every 40 sub-steps, the second about every 15.  Strong bonds hold lumps together for
- * as long as is measured.  A scene: more RVEs than caches hold, each touched once in a step. */
+/* The first rebuilds its list about every 40 sub-steps, the second about every 15.  Strong bonds hold lumps together
+ * for as long as is measured.  A scene: more RVEs than caches hold, each touched once in a step. */
 static const struct bench_case cases[] = {
 	{"", 5e-5, 0.0, 1, SUB_STEPS_PER_CALL},
 	{"_violent", 2e-4, 0.0, 1, SUB_STEPS_PER_CALL},
@@ -129,7 +129,8 @@ static void cells_free(struct bench_cells *cells)
 	free(cells->dT), free(cells->heat), free(cells->modulus);
 }
 
-static int cells_create(struct bench_cells *cells, const struct bench_case *c, const struct rve_packing *packing, int path)
+static int cells_create(struct bench_cells *cells, const struct bench_case *c, const struct rve_packing *packing,
+						int path)
 {
 	struct rve_params params;
 	rve_params_default(&params);
@@ -223,7 +224,10 @@ static int bench_case(bool json, const struct bench_case *c, const struct rve_pa
 		status = cells_shear(&cells, c->cells > 1 ? 1 : 200, wall_seconds, &warm); /* from the packing into flow */
 	for (int k = 0; k < REPEATS && status == STATUS_OK; k++)
 		status = cells_shear(&cells, calls, clock, &rates[k]);
-	snprintf(name, sizeof name, "rve_%s%s%s", rve_path_name(path), c->name, threads == 1 ? "" : clock == wall_seconds ? "_two_threads" : "_two_threads_cpu");
+	snprintf(name, sizeof name, "rve_%s%s%s", rve_path_name(path), c->name,
+			 threads == 1            ? ""
+			 : clock == wall_seconds ? "_two_threads"
+									 : "_two_threads_cpu");
 	if (status == STATUS_OK)
 		*median_rate = bench_report(json, name, rates, REPEATS, "disc-steps/s", threads);
 	snprintf(name, sizeof name, "rve_%s_instructions", rve_path_name(path));
@@ -234,8 +238,8 @@ static int bench_case(bool json, const struct bench_case *c, const struct rve_pa
 	return status;
 }
 
-/* What a disc-step asks for: 2.3 pairs in reach with about 70 flops each up to their distance, 1.6 contacts with about 55
- * more, 50 for the disc. */
+/* What a disc-step asks for: 2.3 pairs in reach with about 70 flops each up to their distance, 1.6 contacts with about
+ * 55 more, 50 for the disc. */
 static const double flops = 220.0;
 
 static int bench_path(bool json, const struct rve_packing *packing, int path, double peak)
@@ -252,7 +256,8 @@ static int bench_path(bool json, const struct rve_packing *packing, int path, do
 		return STATUS_OK;
 	/* by the clock; and by CPU time, which others on the machine disturb less, but which sees no waiting */
 	for (int cpu = 0; cpu < 2; cpu++) {
-		CHECK(bench_case(json, &cases[BENCH_CASES - 1], packing, path, 2, cpu ? half_process_seconds : wall_seconds, &both));
+		CHECK(bench_case(json, &cases[BENCH_CASES - 1], packing, path, 2, cpu ? half_process_seconds : wall_seconds,
+						 &both));
 		both *= 1.0 / rates[BENCH_CASES - 1];
 		snprintf(name, sizeof name, "rve_%s_speedup%s", rve_path_name(path), cpu ? "_cpu" : "");
 		bench_report(json, name, &both, 1, "by two threads", 2);

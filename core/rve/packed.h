@@ -11,12 +11,13 @@
  *  - The kick of a sub-step and the motion of the next one are one pass over the discs.
  *
  * In single precision (RVE_FLOAT) coordinates are whole numbers that wrap around, in 2^-32 of the cell, and what is
- * less than that is carried on in `rest`: a plain single would lose steps of 1e-9.  The cell and all totals are double. */
+ * less than that is carried on in `rest`: a plain single would lose steps of 1e-9.  The cell and all totals are double.
+ */
 #ifndef TMDEMPM_RVE_PACKED_H
 #define TMDEMPM_RVE_PACKED_H
 
-#include "rve/kernel_common.h"
 #include "rve/kernel_cell.h"
+#include "rve/kernel_common.h"
 #include "rve/vector.h"
 
 /* Sums that a block keeps in registers, for each lane. */
@@ -47,7 +48,7 @@ struct packed_place {
 	num *r, *mass, *step_mass, *step_inertia, *rotation; /* of the rows */
 	num *own;                                            /* forces x, y and torques from the pairs that a row owns */
 	num *record, *velocity, *force;
-	uint32_t *offset; /* of the pairs: bytes to the velocity of the other disc */
+	uint32_t *offset;    /* of the pairs: bytes to the velocity of the other disc */
 	unsigned char *free; /* the rest of it: for the neighbour search */
 };
 

@@ -251,11 +251,26 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	return STATUS_OK;
 }
 
+/* Single precision errs by about 1 Pa from 10 to 100 kPa, by up to 60 Pa at 1 kPa: scenarios/studies/rve_precision.cfg.
+ */
+static const double single_pressure = 10e3; /* Pa */
+
+static int check_precision(const struct rve_params *params, const struct rve_packing *packing)
+{
+	if (params->path != RVE_SIMD_SINGLE || !(packing->pressure < single_pressure))
+		return STATUS_OK;
+	return error_set(STATUS_INPUT,
+					 "path = \"single\" errs by too much in a packing at %g Pa, expected %g Pa at least; cure: "
+					 "path = \"simd\"",
+					 packing->pressure, single_pressure);
+}
+
 static int model_fill(struct rve_model *model, const struct rve_params *params, int n,
 					  const struct rve_packing *const *packings)
 {
 	double r_min = INFINITY, r_max = 0.0, r_sum = 0.0;
 	for (int v = 0; v < n; v++) {
+		CHECK(check_precision(params, packings[v]));
 		if (packings[v]->n_discs != packings[0]->n_discs)
 			return error_set(STATUS_INPUT, "packings of %d and %d discs in one law: variants need equal numbers",
 							 packings[0]->n_discs, packings[v]->n_discs);
@@ -390,8 +405,8 @@ enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state,
 	const struct rve_call call = call_of(motion, sub_steps, rebuild);
 	int status = KERNEL_OK;
 	if (model->packed)
-		model->packed(&model->layout, &model->constants, &call, variant->packed_table, state, motion->ahead,
-					  scratch, &status);
+		model->packed(&model->layout, &model->constants, &call, variant->packed_table, state, motion->ahead, scratch,
+					  &status);
 	else
 		model->kernel(&model->serial, &model->constants, &call, variant->table, state, scratch, &status);
 	return (enum rve_kernel_status)status;
