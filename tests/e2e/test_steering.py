@@ -247,6 +247,22 @@ def ruled(f, cfg):
     expect("two places" in said, said)
 
 
+def pictured(f, cfg):
+    """Another interval for a picture; the picture of an RVE that is no longer inspected is missed, said once, and comes back."""
+    if not os.path.exists(os.path.join(os.path.dirname(TMDEMPM), "tmdempm-viewer")):
+        print("pictures are not tried: no viewer is built")
+        return
+    scene = [*SCENE, "--set", 'images=({ name = "g"; kind = "rve"; rve = "A"; field = "rotation"; size = [300, 240]; every = 0.02; })']
+    run = Run(cfg, f("pictured"), *scene)
+    run.steer("step=100", "images.g.every=0.001", "step=20", "inspect.A=none", "step=20", "inspect.A=hottest", "step=10", "images.g.every=0",
+              "pause=0")
+    run.ends(0)
+    drawn = [int(name[2:10]) for name in sorted(os.listdir(f("pictured", "images")))]
+    expect(drawn == [0, 110, 120, 150], str(drawn))
+    with open(f("pictured", "log.txt"), encoding="utf-8") as stream:
+        expect(stream.read().count("picture g is not drawn: the RVE A is not inspected (now)") == 1, "the missing picture")
+
+
 with Folder() as f:
     cfg = f.write("s.cfg", COLUMN)
     paused(f, cfg)
@@ -255,3 +271,4 @@ with Folder() as f:
     steered(f, cfg)
     continued(f, cfg)
     ruled(f, cfg)
+    pictured(f, cfg)
