@@ -3,6 +3,8 @@
 Every function takes ParaView's sources as they come: channels of a running simulation, extracts of a live connection, or
 readers of a finished run's .pvd files.
 """
+import os
+
 from paraview import servermanager
 from paraview.simple import *
 
@@ -72,6 +74,14 @@ def look_at(view, bounds):
     x, y = 0.5 * (bounds[0] + bounds[1]) + 0.1 * 2 * scale * across / up, 0.5 * (bounds[2] + bounds[3]) + 0.04 * 2 * scale
     view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [x, y, 10.0], [x, y, 0.0], [0.0, 1.0, 0.0]
     view.CameraParallelScale = scale
+
+
+def save_view(view, path):
+    """Under another name first: whoever looks sees a whole picture or none."""
+    folder, name = os.path.split(path)
+    Render(view)
+    SaveScreenshot(os.path.join(folder, "." + name), view, ImageResolution=list(view.ViewSize))
+    os.replace(os.path.join(folder, "." + name), path)
 
 
 def colour(view, display, data, field, preset=None, title=None, limits=None):
