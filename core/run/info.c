@@ -13,6 +13,7 @@
 #include "run/json.h"
 #include "run/machine.h"
 #include "run/run.h"
+#include "run/steering_command.h"
 #include "run/viewer.h"
 #include "rve/model.h"
 #include "version.h"
@@ -108,6 +109,10 @@ static void info_print(const struct machine *machine, const struct info_part *de
 	printf("exact solutions (tmdempm exact NAME shows one)\n");
 	exact_print(NULL);
 	info_print_parts("sinks", sinks, INFO_SINKS);
+	printf("steering (tmdempm steer DIR COMMAND...)\n%s", steering_help);
+	printf("rules (inspect.NAME=RULE, rve show --rule RULE)\n");
+	for (const struct rve_rule *rule = rve_rules; rule->name; rule++)
+		printf("  %-16s the point with %s\n", rule->name, rule->doc);
 	info_print_fields("points", particle_fields, particle_fields_count);
 	for (int l = 0; law_types[l]; l++)
 		if (law_types[l]->n_fields > 0)
@@ -191,6 +196,10 @@ static void info_json(const struct machine *machine, const struct info_part *dev
 		info_json_part(&json, exact_solutions[s]->name, exact_solutions[s]->doc);
 	json_close(&json, ']');
 	info_json_parts(&json, "sinks", sinks, INFO_SINKS);
+	json_open(&json, "rules", '[');
+	for (const struct rve_rule *rule = rve_rules; rule->name; rule++)
+		info_json_part(&json, rule->name, rule->doc);
+	json_close(&json, ']');
 	json_open(&json, "fields", '{');
 	info_json_fields(&json, "points", particle_fields, particle_fields_count);
 	for (int l = 0; law_types[l]; l++)

@@ -16,7 +16,7 @@ struct look_parts {
 	struct scene *scene;
 	struct mpm *mpm;
 	struct run_fields *fields;
-	struct inspected *inspected; /* by the scene */
+	struct inspected *inspected; /* by the scene; of a checkpoint also by those who steered */
 	struct rve_model *model;     /* of an RVE file or a packing */
 	unsigned char *state;        /* of its own, of a snapshot, an RVE file or a packing */
 };
@@ -313,6 +313,31 @@ static int look_take_path(struct look *look)
 
 /* ---- a checkpoint ---- */
 
+/* The log of those who steered says what was inspected at this state. */
+static int look_take_steered(struct look *look)
+{
+	struct inspected *inspected = look->parts->inspected;
+	struct steering_script script;
+	char path[FILE_PATH];
+	CHECK(file_join(path, look->folder, "steering.csv"));
+	if (!file_exists(path))
+		return STATUS_OK;
+	CHECK(steering_script_read(&script, path));
+	int status = STATUS_OK;
+	for (int k = 0; k < script.n && script.rows[k].step <= look->origin.step && status == STATUS_OK; k++) {
+		struct steering_command *command = &script.rows[k].command;
+		struct inspected_rve rve;
+		if (command->verb != STEER_INSPECT)
+			continue;
+		if (command->target == STEER_NOTHING)
+			inspected_remove(inspected, command->name);
+		else if (inspected_choose(inspected, command, &rve) == STATUS_OK)
+			status = inspected_set(inspected, &rve);
+	}
+	steering_script_free(&script);
+	return status;
+}
+
 static int look_checkpoint(struct look *look, const struct look_choice *choice)
 {
 	char *text;
@@ -324,9 +349,10 @@ static int look_checkpoint(struct look *look, const struct look_choice *choice)
 		return error_context(status, "this release cannot read that state");
 	struct look_points points = {.snapshot = -1, .n = mpm->p.n, .id = mpm->p.id, .x = mpm->p.x};
 	int point;
-	CHECK(look_choose(look, &points, choice, &point));
 	look->origin.step = mpm->step;
 	look->origin.time = mpm->time;
+	CHECK(look_take_steered(look));
+	CHECK(look_choose(look, &points, choice, &point));
 	CHECK(look_take_point(look, &points, point));
 	look_take_name(look, &points, choice->name);
 	const struct law *law = mpm->laws[mpm->p.law[point]];

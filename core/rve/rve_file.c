@@ -52,6 +52,7 @@ static const struct {
 	INTEGER(step_guard),
 	NUMBER(overlap_max),
 };
+_Static_assert(sizeof(struct rve_params) == 168, "a parameter has come or gone: params_table above must know it");
 enum { PARAMS = sizeof params_table / sizeof *params_table };
 
 /* States are copied as they lie in memory: a hash of how they do, for those that lie otherwise. */
