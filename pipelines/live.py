@@ -23,7 +23,7 @@ class Watcher:
     def __init__(self, port, field, drawn=None):
         self.field, self.drawn, self.frames = field, drawn, 0
         self.run, self.views, self.networks = None, [], {}
-        self.scene = make_view()
+        self.scene = make_view(view=GetActiveViewOrCreate("RenderView"))
         self.text = heading(self.scene, "waits for a simulation at port %d" % port)
         AssignViewToLayout(self.scene)
         self.link = tmdempm_live.listen_at(port)
