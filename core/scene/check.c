@@ -980,8 +980,9 @@ static void check_images(struct loader *loader)
 static bool same_pair(const struct scene_contact *a, const struct scene_contact *b)
 {
 	return a->n_bodies == b->n_bodies &&
-		   (a->n_bodies == 0 || (a->bodies[0] == b->bodies[0] && a->bodies[1] == b->bodies[1]) ||
-			(a->bodies[0] == b->bodies[1] && a->bodies[1] == b->bodies[0]));
+		   (a->n_bodies == 0 || (a->n_bodies == 1 && a->bodies[0] == b->bodies[0]) ||
+			(a->n_bodies == 2 && ((a->bodies[0] == b->bodies[0] && a->bodies[1] == b->bodies[1]) ||
+								  (a->bodies[0] == b->bodies[1] && a->bodies[1] == b->bodies[0]))));
 }
 
 static void check_contact(struct loader *loader, int k)

@@ -154,6 +154,8 @@ static const struct scene_key rve_keys[] = {
 	 .doc = "the cell's discs at the start"},
 	{.name = "bonds", .type = KEY_GROUP, AT(scene_law, rve.bonds), KEYS(bonds_keys),
 	 .doc = "between discs, once a stage has installed them; at contacts that carry force"},
+	{.name = "path", .type = KEY_ENUM, AT(scene_law, rve.path), .value = "\"auto\"", CHOICES("auto", "serial", "simd", "single"),
+	 .doc = "how RVEs are computed: plainly, the reference; in short vectors, twice as fast; the same in single precision; auto is serial"},
 	{.name = "economy", .type = KEY_GROUP, AT(scene_law, rve.economy), KEYS(economy_keys),
 	 .doc = "what need not be computed, and how wrong that may be"},
 	{.name = "kn", .type = KEY_FLOAT, AT(scene_law, rve.kn), .unit = "N/m", .value = "1e6", .range = RANGE_POSITIVE,
@@ -384,7 +386,9 @@ static const struct scene_key boundary_keys[] = {
 
 static const struct scene_key contact_keys[] = {
 	{.name = "bodies", .type = KEY_CUSTOM, .absent = "every pair of bodies that no other contact names", .read = read_contact_bodies,
-	 .expected = "the names of two bodies: (\"a\", \"b\")", .doc = "names of the two bodies"},
+	 .expected = "the names of two bodies: (\"a\", \"b\"), or of one for its own cracks", .doc = "names of the two bodies; or of one, for the faces of its own cracks"},
+	{.name = "cracks", .type = KEY_BOOL, AT(scene_contact, cracks), .value = "false",
+	 .doc = "also between the faces of cracks in each of these bodies; without it they are welded, and pass no force where the law has lost its stress"},
 	{.name = "friction", .type = KEY_FLOAT, AT(scene_contact, friction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 100.0,
 	 .doc = "coefficient of friction"},
 	{.name = "softening", .type = KEY_CUSTOM, AT(scene_contact, softening), .absent = "friction does not depend on temperature", .read = read_softening,

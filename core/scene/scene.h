@@ -117,6 +117,7 @@ struct scene_bonds {
 	double reference; /* K; at and below it the strength of linear softening is whole; default 0 C */
 };
 
+enum scene_rve_path { SCENE_RVE_AUTO, SCENE_RVE_SERIAL, SCENE_RVE_SIMD, SCENE_RVE_SINGLE };
 /* What is not computed; see law/twins.h. */
 struct scene_economy {
 	bool twins; /* RVEs that are equal bit for bit are computed once; true */
@@ -125,6 +126,7 @@ struct scene_economy {
 struct scene_law_rve {
 	struct scene_packing packing;
 	struct scene_bonds bonds;
+	enum scene_rve_path path; /* auto */
 	struct scene_economy economy;
 	double kn, ks;          /* N/m; 1e6 each */
 	double mu;              /* 0.5 */
@@ -262,8 +264,9 @@ struct scene_boundary {
 /* ---- contacts between bodies (DP-MPM): without one they are welded where they meet ---- */
 
 struct scene_contact {
-	int n_bodies;                /* 2, or 0: all pairs of bodies that no other contact names */
+	int n_bodies;                /* 2; 1: the faces of its own cracks; 0: all pairs that no other contact names */
 	int bodies[2];
+	bool cracks;                 /* also the faces of cracks in each of the bodies; false */
 	double friction;             /* 0 */
 	double softening[2];         /* K: at which friction holds, and at which none is left; NAN = it does not fall */
 	double heat_share;           /* share of the friction work that heats the bodies, half each; 1 */
