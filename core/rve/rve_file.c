@@ -51,6 +51,9 @@ static const struct {
 	NUMBER(bond_reference),
 	INTEGER(step_guard),
 	NUMBER(overlap_max),
+	NUMBER(quiet_change),
+	NUMBER(quiet_strain),
+	NUMBER(quiet_unbalanced),
 };
 enum { PARAMS = sizeof params_table / sizeof *params_table };
 
