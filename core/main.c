@@ -9,6 +9,8 @@
 #include "exact/exact.h"
 #include "io/h5.h"
 #include "run/bench.h"
+#include "run/doctor.h"
+#include "run/fragments_cli.h"
 #include "run/live.h"
 #include "run/look_cli.h"
 #include "run/run.h"
@@ -29,16 +31,23 @@ static const char help[] =
 	"      --force moves it aside; --restart continues a checkpoint in its own folder, bit for bit;\n"
 	"      --live shows the run to a ParaView that listens (default 127.0.0.1:22222), which may come and go;\n"
 	"      --pipeline runs a script of ParaView Catalyst, whose files go to DIR/catalyst;\n"
-	"      --steering repeats what steered another run (its steering.csv); --paused waits for `steer` before the first step\n"
+	"      --steering repeats what steered another run (its steering.csv); --paused waits for `steer` before the first "
+	"step\n"
 	"  tmdempm steer DIR [COMMAND... | -]\n"
-	"      steers the run that works in DIR: pause, step, save, stop, inspect, pictures; alone it says how the run stands\n"
+	"      steers the run that works in DIR: pause, step, save, stop, inspect, pictures; alone it says how the run "
+	"stands\n"
 	"      (tmdempm steer --help)\n"
 	"  tmdempm check SCENE.cfg [--set path=value]... [--threads N]\n"
 	"      validates a scene and says what its run will be; writes nothing\n"
 	"  tmdempm info [--json]\n"
 	"      what is built in, what is missing and how to get it\n"
+	"  tmdempm doctor [--timeout S] [PART]...\n"
+	"      tries everything that a run may need here (HDF5, drawing, ParaView, CUDA ...) and says what to do where it\n"
+	"      does not work; a part that does not answer within S seconds (30) counts as broken\n"
 	"  tmdempm rve pack|load|info|show|extract ...\n"
 	"      makes packings, loads one RVE alone; looks into the RVEs of a run, takes one out (tmdempm rve --help)\n"
+	"  tmdempm fragments RUN_FOLDER [--time T] [--out FOLDER]\n"
+	"      pieces and cracks of what has broken: tables, distribution, lines\n"
 	"  tmdempm exact [NAME [--set parameter=value]... --at x,y --times a,b,c|from:to:n]\n"
 	"      exact solutions: what there is, or values as CSV\n"
 	"  tmdempm study FILE.cfg... [--out DIR] [--jobs N] [--set path=value]... [--fresh] [--no-charts] [--list]\n"
@@ -315,6 +324,24 @@ static int command_info(int argc, char **argv)
 	return helped ? STATUS_OK : run_info(json);
 }
 
+static int command_doctor(int argc, char **argv)
+{
+	static const struct option long_options[] = {
+		{"timeout", required_argument, NULL, 't'}, {"help", no_argument, NULL, 'h'}, {NULL, 0, NULL, 0}};
+	double timeout = 30.0;
+	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
+		char *end = NULL;
+		if (c == 'h')
+			return fputs(help, stdout), STATUS_OK;
+		if (c != 't')
+			return usage_option("doctor", c, argv);
+		timeout = strtod(optarg, &end);
+		if (*end || end == optarg || !(timeout > 0) || timeout > 3600)
+			return usage("doctor: --timeout %s: expected seconds, above 0 and at most 3600", optarg);
+	}
+	return run_doctor(timeout, argc - optind, argv + optind);
+}
+
 static int command_bench(int argc, char **argv)
 {
 	bool json, helped;
@@ -336,9 +363,9 @@ int main(int argc, char **argv)
 	static const struct {
 		const char *name;
 		int (*command)(int argc, char **argv);
-	} commands[] = {{"run", command_run},     {"check", command_check}, {"info", command_info},
-					{"bench", command_bench}, {"study", command_study}, {"exact", cli_exact},
-					{"steer", cli_steer}};
+	} commands[] = {{"run", command_run},         {"check", command_check}, {"info", command_info},
+					{"bench", command_bench},     {"study", command_study}, {"exact", cli_exact},
+					{"fragments", cli_fragments}, {"steer", cli_steer},     {"doctor", command_doctor}};
 	h5_start();
 	const char *name = argc > 1 ? argv[1] : "";
 	if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help"))
@@ -349,8 +376,13 @@ int main(int argc, char **argv)
 		return cli_look(argc - 2, argv + 2);
 	if (!strcmp(name, "rve"))
 		return cli_rve(argc - 1, argv + 1);
-	int status = *name ? usage("`%s` is no command: expected run, steer, check, info, rve, exact, study or bench", name)
-					   : usage("%s", "which command? expected run, steer, check, info, rve, exact, study or bench");
+	int status =
+		*name
+			? usage(
+				  "`%s` is no command: expected run, steer, check, info, doctor, rve, fragments, exact, study or bench",
+				  name)
+			: usage("%s",
+					"which command? expected run, steer, check, info, doctor, rve, fragments, exact, study or bench");
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
 		if (!strcmp(name, commands[i].name))
 			status = commands[i].command(argc - 1, argv + 1);

@@ -147,7 +147,7 @@ int main(int argc, char **argv)
 	if (fcntl(FRAME_FD_SOCKET, F_SETFD, FD_CLOEXEC) < 0 || fcntl(FRAME_FD_MEMORY, F_SETFD, FD_CLOEXEC) < 0) {
 		fprintf(stderr,
 				"tmdempm-viewer is started by tmdempm, which hands it frames.  By hand: tmdempm-viewer --self-test "
-				"display|catalyst|live\n");
+				"display|gl|catalyst|live\n");
 		return 2;
 	}
 	display display;

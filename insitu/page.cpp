@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <unistd.h>
 
 #include <vtkActor2D.h>
@@ -119,6 +120,9 @@ static const char *font_file(bool bold)
 		 "/usr/share/matplotlib/mpl-data/fonts/ttf/DejaVuSans.ttf"},
 		{"/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf", "/usr/share/fonts/dejavu/DejaVuSans-Bold.ttf",
 		 "/usr/share/matplotlib/mpl-data/fonts/ttf/DejaVuSans-Bold.ttf"}};
+	const char *asked = getenv("TMDEMPM_FONT"); // a TrueType file; what cannot be read gives VTK's own letters
+	if (asked && *asked)
+		return access(asked, R_OK) == 0 ? asked : nullptr;
 	for (const char *place : places[bold])
 		if (access(place, R_OK) == 0)
 			return place;
@@ -137,6 +141,8 @@ static void set_style(vtkTextProperty *style, double size, bool bold, const rgb 
 	style->SetFontSize(std::max(8, int(std::lround(size))));
 	style->SetColor(colour[0], colour[1], colour[2]);
 }
+
+bool page::greek() { return font_file(false) != nullptr; }
 
 double page::text_width(const std::string &text, double size, bool bold) const
 {

@@ -55,6 +55,8 @@ class page
 	vtkRenderer *sheet() const { return sheet_renderer; }
 	const std::vector<vtkSmartPointer<vtkRenderer>> &worlds() const { return world_renderers; }
 
+	// VTK's own letters, used where no font file is found, lack Greek.
+	static bool greek();
 	double text_width(const std::string &text, double size, bool bold = false) const;
 	// (x, y) = the point named by the alignments; `turned`: reads upwards.
 	void text(const std::string &text, double x, double y, double size, align across, align up,

@@ -245,13 +245,14 @@ std::vector<std::string> state_texts(const rve_scene &rve, const char *temperatu
 	double factor = ticks_unit("Pa", most, unit);
 	if (w.point >= 0)
 		pieces.push_back("point " + std::to_string(w.point) + (*w.rule ? " (" + std::string(w.rule) + ")" : ""));
-	pieces.push_back("\u03c3 " + components(w.stress[0] * factor, w.stress[1] * factor, w.stress[3] * factor) + " " +
-					 unit);
-	pieces.push_back("\u03b5 " + components(100 * w.strain[0], 100 * w.strain[1], 100 * w.strain[3]) + " %");
+	pieces.push_back((page::greek() ? "\u03c3 " : "stress ") +
+					 components(w.stress[0] * factor, w.stress[1] * factor, w.stress[3] * factor) + " " + unit);
+	pieces.push_back((page::greek() ? "\u03b5 " : "strain ") +
+					 components(100 * w.strain[0], 100 * w.strain[1], 100 * w.strain[3]) + " %");
 	pieces.push_back("e " + number_text(w.void_ratio, "%.3f"));
 	pieces.push_back("Z " + number_text(w.coordination, "%.2f"));
 	if (std::isfinite(w.temperature))
-		pieces.push_back("T " + number_text(w.temperature, "%.4g") + " " +
+		pieces.push_back("T " + number_text(w.temperature, "%.5g") + " " +
 						 unit_text(temperature_unit, temperature_unit));
 	if (w.bonds_installed > 0)
 		pieces.push_back("bonds " + std::to_string(w.bonds_intact) + " of " + std::to_string(w.bonds_installed));
@@ -363,7 +364,7 @@ void draw_column(const rve_page &at, size_t k, bool bar)
 	if (!bar)
 		return;
 	double room = height - rose - 26 * u, inset = 0.5 * std::max(10 * u, room - 420 * u);
-	double x = x0 + 0.5 * std::max(0.0, x1 - x0 - scale_bar_width(at.page, at.scale));
+	double x = std::round(x0 + 0.5 * std::max(0.0, x1 - x0 - scale_bar_width(at.page, at.scale)));
 	scale_bar_upright(at.page, at.scale, x, at.windows[k].y0 + inset, at.windows[k].y0 + room - inset);
 }
 

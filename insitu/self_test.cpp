@@ -6,6 +6,7 @@
 
 #include "catalyst_module.h"
 #include "display.h"
+#include "gl_test.h"
 
 int self_test(const char *what)
 {
@@ -15,6 +16,9 @@ int self_test(const char *what)
 		display display;
 		good = display.open(works, error);
 		works = works.empty() ? "draws on $DISPLAY" : works;
+	} else if (!strcmp(what, "gl")) {
+		display display;
+		good = display.open(works, error) && gl_test(works, error);
 	} else if (!strcmp(what, "catalyst")) {
 		good = catalyst_test_script(error);
 		works = "ParaView Catalyst runs a Python script";
@@ -22,7 +26,7 @@ int self_test(const char *what)
 		good = catalyst_test_live(error);
 		works = "a live connection over the loop-back carries data";
 	} else {
-		fprintf(stderr, "tmdempm-viewer: --self-test %s: expected display, catalyst or live\n", what);
+		fprintf(stderr, "tmdempm-viewer: --self-test %s: expected display, gl, catalyst or live\n", what);
 		return 2;
 	}
 	puts(good ? works.c_str() : error.c_str());

@@ -21,13 +21,15 @@ const struct field exact_fields[EXACT_FIELDS] = {
 
 extern const struct exact_solution exact_danilovskaya, exact_rod, exact_square, exact_half_space, exact_plate,
 	exact_neumann, exact_cooling, exact_column, exact_restrained, exact_bar_impact, exact_bar_vibration, exact_periodic,
-	exact_axis_aligned, exact_vortex, exact_ring;
+	exact_axis_aligned, exact_vortex, exact_ring, exact_contact_blocks;
 
 const struct exact_solution *const exact_solutions[] = {
 	&exact_danilovskaya, &exact_rod,        &exact_square,        &exact_half_space,
 	&exact_plate,        &exact_neumann,    &exact_cooling,       &exact_column,
 	&exact_restrained,   &exact_bar_impact, &exact_bar_vibration, &exact_periodic,
-	&exact_axis_aligned, &exact_vortex,     &exact_ring,          NULL,
+	&exact_axis_aligned, &exact_vortex,     &exact_ring,
+	&exact_contact_blocks,
+	NULL,
 };
 
 const struct exact_solution *exact_find(const char *name)

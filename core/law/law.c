@@ -6,13 +6,13 @@
 
 #include "base/error.h"
 
-extern const struct law_type law_thermoelastic, law_rve;
+extern const struct law_type law_thermoelastic, law_rve, law_neohookean_rankine;
 
-const struct law_type *const law_types[] = {&law_thermoelastic, &law_rve, NULL};
+const struct law_type *const law_types[] = {&law_thermoelastic, &law_rve, &law_neohookean_rankine, NULL};
 
 static const struct law_type *type_of(const struct scene_law *scene)
 {
-	const char *name = scene->type == SCENE_LAW_RVE ? "rve" : "thermoelastic";
+	const char *name = scene_law_type_names[scene->type];
 	for (int i = 0; law_types[i]; i++)
 		if (!strcmp(law_types[i]->name, name))
 			return law_types[i];

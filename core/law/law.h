@@ -25,11 +25,12 @@ struct law_batch {
 	double *heat;          /* out: W/m3 of current volume */
 	double (*conductivity)[3]; /* out: xx yy xy, W/(m K) */
 	double *modulus;       /* out: P-wave modulus, Pa */
+	double *damage;        /* out: 0 whole .. 1 broken; NULL unless some law of the scene breaks */
 	int failed;            /* out, on failure: the lowest k that failed, else -1 */
 };
 
 /* Energies of one point since its birth (or the last reset), J per m3 of its initial volume.
- * work = elastic + kinetic + friction + dashpot + bond + discarded - expansion, up to the law's own error. */
+ * work = elastic + kinetic + friction + dashpot + bond + fracture + discarded - expansion, up to the law's own error. */
 struct law_ledger {
 	double work;      /* of the stress on the strain, as the law itself integrates it */
 	double elastic;   /* stored now, counted from zero force */
@@ -37,6 +38,7 @@ struct law_ledger {
 	double friction;  /* turned into heat so far */
 	double dashpot;
 	double bond;
+	double fracture;  /* taken by damage so far, as heat or surface */
 	double expansion; /* put in by thermal expansion */
 	double discarded; /* dropped with re-seeded or gas states */
 };
@@ -63,6 +65,8 @@ struct rve_model; /* rve/rve.h */
 struct law_type {
 	const char *name;
 	const char *doc;
+	bool breaks;   /* it fills batch->damage */
+	bool friction; /* its heat is of friction: thermal.friction_heat */
 	bool cohesive; /* its points stay neighbours for good: pulled out of each other's reach the grid has torn them, not the law */
 	const struct field *fields; /* what export() can give, beside stress and heat */
 	int n_fields;

@@ -219,6 +219,7 @@ static int rve_view(const struct law *law, int slot, const struct rve_model **mo
 const struct law_type law_rve = {
 	.name = "rve",
 	.doc = "granular matter: a periodic cell of discs behind every point (TM-DEMPM section 3)",
+	.friction = true,
 	.fields = fields,
 	.n_fields = N_FIELDS,
 	.create = create,

@@ -24,6 +24,7 @@
 #include "base/error.h"
 #include "base/mat2.h"
 #include "law/law.h"
+#include "law/series.h"
 
 struct model {
 	double lambda, mu;   /* Pa, in the plane */
@@ -86,23 +87,14 @@ static void thermoelastic_destroy(struct law *law)
 	free(law->states);
 }
 
-/* atanh(q)/q as a function of q^2 < 1; the series to round-off where it is short. */
-static inline double atanh_ratio(double q2)
-{
-	if (q2 < 1e-3)
-		return 1.0 + q2 * (1.0 / 3 + q2 * (1.0 / 5 + q2 * (1.0 / 7 + q2 * (1.0 / 9 + q2 * (1.0 / 11)))));
-	double q = sqrt(q2);
-	return 0.5 * log((1.0 + q) / (1.0 - q)) / q;
-}
-
 /* ln V = 1/2 ln b of a deformation gradient: (xx, yy, xy) and its trace ln J.  With b = m I + d, d^2 = r^2 I:
- * ln b = ln(J^2)/2 I + atanh(r/m)/r d; and ln J = 2 atanh((J - 1)/(J + 1)). */
+ * ln b = ln(J^2)/2 I + atanh(r/m)/r d. */
 static inline void log_left_stretch(const double F[4], double J, double h[3], double *trace)
 {
 	double bxx = F[0] * F[0] + F[1] * F[1], byy = F[2] * F[2] + F[3] * F[3], bxy = F[0] * F[2] + F[1] * F[3];
 	double m = 0.5 * (bxx + byy), d = 0.5 * (bxx - byy), im = 1.0 / m;
 	double k = 0.5 * im * atanh_ratio((d * d + bxy * bxy) * im * im);
-	double z = (J - 1.0) / (J + 1.0), ln_j = 2.0 * z * atanh_ratio(z * z);
+	double ln_j = log_by_ratio(J);
 	h[0] = 0.5 * ln_j + k * d;
 	h[1] = 0.5 * ln_j - k * d;
 	h[2] = k * bxy;

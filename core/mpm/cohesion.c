@@ -9,7 +9,8 @@
  * of their energy at stretches of 1.2 (uGIMP, 1 point per cell; linear, 4) to 2.2 (uGIMP, 16), and GAP_MOST is reached
  * before; noise of FLIP in points that move freely stays below it (tests/stability/test_numerical_fracture.c).
  *
- * Only bodies of a law whose points stay neighbours are watched: what flows parts and meets others. */
+ * Only bodies of a law whose points stay neighbours are watched: what flows parts and meets others.  Of a law that breaks
+ * those that are whole: where damage has begun, the law parts them. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,9 +65,11 @@ int cohesion_create(struct mpm *mpm)
 	for (int k = 0; k < p->n; k++) {
 		const struct scene_body *body = &mpm->scene->bodies[p->body[k]];
 		double spacing = scene_body_spacing(mpm->scene, body), origin[2];
+		double X[2] = {p->x0[k][0], p->x0[k][1]};
 		scene_body_lattice(mpm->scene, body, origin);
-		at[p->id[k]] = (struct lattice_place){.i = lround((p->x0[k][0] - origin[0]) / spacing - 0.5),
-											  .j = lround((p->x0[k][1] - origin[1]) / spacing - 0.5),
+		scene_body_turn(body, -1.0, X);
+		at[p->id[k]] = (struct lattice_place){.i = lround((X[0] - origin[0]) / spacing - 0.5),
+											  .j = lround((X[1] - origin[1]) / spacing - 0.5),
 											  .body = p->body[k]};
 	}
 	find_neighbours(p->n, at, w->neighbours);
@@ -117,7 +120,7 @@ bool cohesion_lost(const struct mpm *mpm, int *point, int *neighbour)
 			int k = w->storage_of[id], other = w->neighbours[id][side];
 			int m = other >= 0 ? w->storage_of[other] : -1;
 			if (m < 0 || !mpm->laws[p->law[k]]->type->cohesive || !mpm->laws[p->law[m]]->type->cohesive ||
-				w->cell[k] < 0 || w->cell[m] < 0)
+				w->cell[k] < 0 || w->cell[m] < 0 || (p->damage && (p->damage[k] > 0.0 || p->damage[m] > 0.0)))
 				continue;
 			double a = mpm->shape->support(w->half[p->body[k]], p->F[k]),
 				   b = mpm->shape->support(w->half[p->body[m]], p->F[m]);

@@ -32,14 +32,14 @@ const struct field mpm_ledger_fields[] = {
 	{"energy_gravity", "J", 1, "- m g.x, counted from the origin of coordinates"},
 	{"energy_thermal", "J", 1, "heat content with the latent heat, counted from the start"},
 	{"work_boundary", "J", 1,
-	 "done by moving walls, imposed velocities, confining pressure and the body force of motions"},
+	 "done by moving walls, imposed velocities, confining pressure, tractions and the body force of motions"},
 	{"work_walls_friction", "J", 1, "turned into heat at walls"},
 	{"heat_rve_friction", "J", 1, "turned into heat in RVEs"},
 	{"loss_dashpot", "J", 1, "of the dashpots in RVEs"},
 	{"loss_bond", "J", 1, "of broken bonds"},
-	{"loss_fracture", "J", 1, "of fracture"},
+	{"loss_fracture", "J", 1, "taken by cracks, as heat or surface"},
 	{"work_contact_friction", "J", 1, "turned into heat where bodies touch"},
-	{"loss_contact", "J", 1, "of bodies that meet, and of bonds between fields"},
+	{"loss_contact", "J", 1, "of bodies that meet"},
 	{"loss_numerical", "J", 1, "transfers between points and nodes, damping, remapping, impacts on walls"},
 	{"work_expansion", "J", 1, "done by thermal expansion"},
 	{"energy_discarded", "J", 1, "dropped with gas, re-seeded RVEs and points that left"},
@@ -228,6 +228,7 @@ static void measure_points(const struct mpm *mpm, struct mpm_ledger *l)
 		l->heat_rve_friction += volume * law.friction;
 		l->loss_dashpot += volume * law.dashpot;
 		l->loss_bond += volume * law.bond;
+		l->loss_fracture += volume * law.fracture;
 		l->work_expansion += volume * law.expansion;
 		l->energy_discarded += volume * law.discarded;
 	}

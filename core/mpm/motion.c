@@ -1,4 +1,5 @@
-/* Bodies that are born with an exact motion (exact/exact.h), and the body force that keeps them on it. */
+/* Body forces: of bodies that are born with an exact motion (exact/exact.h), which keeps them on it, and of tractions,
+ * which are spread over the points that begin in a layer (eq. 10). */
 #include <math.h>
 #include <string.h>
 
@@ -40,6 +41,28 @@ static void body_force(const struct mpm *mpm, int p, double b[2])
 	b[1] = m.a[1] - volume * (along_x[2] + along_y[3]);
 }
 
+bool loads_points(const struct mpm *mpm)
+{
+	bool loads = false;
+	for (int b = 0; b < mpm->scene->n_boundaries; b++)
+		loads = loads || scene_boundary_loads_points(&mpm->scene->boundaries[b]);
+	return loads;
+}
+
+/* What tractions add to the body force of a point, m/s2. */
+static void add_tractions(const struct mpm *mpm, int p, double b[2])
+{
+	const double *x = mpm->p.x0[p], volume = mpm->p.volume0[p] / mpm->p.mass[p];
+	for (int k = 0; k < mpm->scene->n_boundaries; k++) {
+		const struct scene_boundary *s = &mpm->scene->boundaries[k];
+		if (!mpm_work(mpm)->boundary_on[k] || x[0] < s->min[0] || x[0] > s->max[0] || x[1] < s->min[1] ||
+			x[1] > s->max[1])
+			continue;
+		for (int c = 0; c < 2; c++)
+			b[c] += isnan(s->traction[c]) ? 0.0 : volume * s->traction[c] / s->layer;
+	}
+}
+
 static void push_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 {
 	struct shape_lists lists;
@@ -51,10 +74,12 @@ static void push_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 		mpm_lists(mpm, n, chunk, &lists);
 		for (int k = 0; k < n; k++) {
 			const struct scene_motion *motion = &mpm->scene->bodies[points->body[chunk[k]]].motion;
-			double b[2];
-			if (!motion->solution || !motion->force)
+			double b[2] = {0.0, 0.0};
+			if (motion->solution && motion->force)
+				body_force(mpm, chunk[k], b);
+			add_tractions(mpm, chunk[k], b);
+			if (b[0] == 0.0 && b[1] == 0.0)
 				continue;
-			body_force(mpm, chunk[k], b);
 			for (int a = k * lists.nodes; a < (k + 1) * lists.nodes; a++) {
 				double mass = lists.weight[a] * points->mass[chunk[k]];
 				w->body_force[lists.node[a]][0] += mass * b[0];

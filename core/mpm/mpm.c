@@ -37,6 +37,7 @@ static struct law_batch law_batch_of(struct mpm *mpm, int l)
 							  .heat = p->heat + at,
 							  .conductivity = p->conductivity + at,
 							  .modulus = p->modulus + at,
+							  .damage = p->damage ? p->damage + at : NULL,
 							  .failed = -1};
 }
 
@@ -51,15 +52,18 @@ static int advance_laws(struct mpm *mpm)
 	return STATUS_OK;
 }
 
-/* Friction heat waits for the thermal step that will spend it. */
+/* The laws' heat waits for the thermal step that will spend it. */
 static void collect_heat(struct mpm *mpm)
 {
 	struct particles *p = &mpm->p;
-	if (!mpm->thermal || !mpm->scene->thermal.friction_heat)
-		return;
+	for (int l = 0; l < mpm->n_laws && mpm->thermal; l++) {
+		const int *start = mpm_work(mpm)->law_start;
+		if (mpm->laws[l]->type->friction && !mpm->scene->thermal.friction_heat)
+			continue;
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
-	for (int k = 0; k < p->n; k++)
-		p->heat_pending[k] += p->heat[k] * mat2_determinant(p->F[k]) * p->volume0[k] * mpm->dt;
+		for (int k = start[l]; k < start[l + 1]; k++)
+			p->heat_pending[k] += p->heat[k] * mat2_determinant(p->F[k]) * p->volume0[k] * mpm->dt;
+	}
 }
 
 static int update_stress(struct mpm *mpm)
@@ -193,7 +197,7 @@ static int create_work(struct mpm *mpm)
 		w->seen = calloc(nodes, sizeof *w->seen);
 		complete = complete && w->confining && w->seen;
 	}
-	bool driven = false;
+	bool driven = loads_points(mpm);
 	for (int b = 0; b < mpm->scene->n_bodies; b++)
 		driven = driven || (mpm->scene->bodies[b].motion.solution && mpm->scene->bodies[b].motion.force);
 	if (driven)
@@ -316,7 +320,10 @@ static int create_points(struct mpm *mpm, int n, const struct birth *births)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	const struct scene *scene = mpm->scene;
-	CHECK(particles_create(&mpm->p, n, scene->mpm.transfer == MPM_APIC, scene->n_contacts > 0));
+	bool breaks = false;
+	for (int l = 0; l < mpm->n_laws; l++)
+		breaks = breaks || mpm->laws[l]->type->breaks;
+	CHECK(particles_create(&mpm->p, n, scene->mpm.transfer == MPM_APIC, breaks, scene->n_contacts > 0));
 	CHECK(freezing_create(mpm));
 	int next[scene->n_laws + 1];
 	memset(next, 0, sizeof next);
@@ -333,7 +340,9 @@ static int create_points(struct mpm *mpm, int n, const struct birth *births)
 	for (int b = 0; b < scene->n_bodies; b++) {
 		double spacing = scene_body_spacing(scene, &scene->bodies[b]);
 		w->half[b] = 0.5 * spacing / scene->grid.cell;
-		w->edge[b][0] = w->edge[b][3] = spacing;
+		double c = cos(scene->bodies[b].angle), s = sin(scene->bodies[b].angle);
+		w->edge[b][0] = w->edge[b][3] = spacing * c;
+		w->edge[b][1] = spacing * s, w->edge[b][2] = -spacing * s;
 	}
 	w->shape_points = (struct shape_points){.x = (const double(*)[2])mpm->p.x,
 											.F = (const double(*)[4])mpm->p.F,

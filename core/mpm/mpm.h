@@ -33,12 +33,12 @@ struct mpm_ledger {
 	/* what is there now */
 	double energy_kinetic, energy_elastic, energy_rve_kinetic, energy_gravity, energy_thermal;
 	/* what has passed since the start (or zero_ledger) */
-	double work_boundary;       /* by moving walls, imposed velocities, confining pressure, body force of motions */
+	double work_boundary;       /* by moving walls, imposed velocities, confining pressure, body force of motions, tractions */
 	double work_walls_friction; /* turned into heat at walls */
 	double heat_rve_friction;   /* turned into heat in RVEs */
 	double loss_dashpot, loss_bond, loss_fracture;
 	double work_contact_friction; /* turned into heat where bodies touch */
-	double loss_contact;        /* of bodies that meet, and of bonds between fields */
+	double loss_contact;        /* of bodies that meet */
 	double loss_numerical;      /* transfers between points and nodes, damping, remapping, unilateral impacts on walls */
 	double work_expansion;      /* by thermal expansion */
 	double energy_discarded;    /* gas, re-seeded */

@@ -184,7 +184,7 @@ struct mpm_work {
 
 	struct node_sum *sums;
 	double (*confining)[2];  /* m2: sum V grad w; NULL without confining pressure */
-	double (*body_force)[2]; /* N, by node, of bodies that follow a motion; NULL = none */
+	double (*body_force)[2]; /* N, by node, of bodies that follow a motion, and of tractions; NULL = none */
 	bool *seen;              /* by node, of a walk over the nodes beside a wall; NULL without confining pressure */
 	double *wall_heat;       /* J, by node: wall friction heat that waits for the thermal step; NULL = none */
 	double *fixed_T;         /* K, by node: imposed temperature, NAN = free; NULL without heat */
@@ -198,6 +198,7 @@ struct mpm_work {
 	double *boundary_T;      /* K, by scene boundary: imposed in this step, NAN = free */
 	double *wall_T;          /* K, by scene wall: the same, NAN = insulating */
 	bool boundaries_stale;   /* the walls have changed since then */
+	bool drives;             /* a body imposes its velocity on nodes */
 	int n_point_heats;
 	struct point_heat *point_heats; /* the boundaries with a flux or convection */
 
@@ -277,7 +278,7 @@ static inline void mpm_point_conductivity(const struct mpm *mpm, int p, double c
 }
 
 /* ---- particles.c ---- */
-int particles_create(struct particles *p, int n, bool affine, bool contacts);
+int particles_create(struct particles *p, int n, bool affine, bool damage, bool contacts);
 void particles_free(struct particles *p);
 /* New storage index k gets what was at permutation[k]. */
 void particles_permute(struct particles *p, const int *permutation, void *scratch);
@@ -317,9 +318,11 @@ void mpm_filter_nodes(struct mpm *mpm);
 void mpm_strain_points(struct mpm *mpm);
 
 /* ---- motion.c ---- */
+/* Does some boundary load points? */
+bool loads_points(const struct mpm *mpm);
 /* Puts a point of a body with a motion where that begins. */
 int motion_begin(struct mpm *mpm, int p, const double X[2]);
-/* The nodes' body forces of this step. */
+/* The nodes' body forces of this step, of motions and tractions. */
 void motion_forces(struct mpm *mpm);
 
 /* ---- thermal.c ---- */
@@ -366,6 +369,8 @@ void walls_move(struct mpm *mpm);
 int boundaries_create(struct mpm *mpm);
 void boundaries_free(struct mpm *mpm);
 void boundaries_update(struct mpm *mpm);
+/* With contacts: the velocities of driving bodies, once the fields of this step are known. */
+void boundaries_drive(struct mpm *mpm);
 
 /* ---- limit.c: how far the step is from its limit on the points' places ---- */
 enum { GROWTH_MOST = 100 }; /* of a point's stress beyond the limit before the run is stopped */

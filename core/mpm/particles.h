@@ -25,6 +25,7 @@ struct particles {
 	double *volume0;    /* m3 at birth; now: det(F) volume0 */
 	double (*stress)[4];/* Pa: xx yy zz xy */
 	double *modulus;    /* P-wave modulus, Pa */
+	double *damage;     /* 0 whole .. 1 broken; NULL unless some law of the scene breaks */
 	double *T;          /* K, carried by increments (eq. 28) */
 	double *T_smooth;   /* K, remapped (eq. 29), input of the law only */
 	double *dT;         /* K, the increment of T_smooth that the law saw in the last step */
@@ -34,6 +35,7 @@ struct particles {
 	double *thawed;     /* share of the point's mass that is not frozen; 1 where nothing freezes */
 	double *heat_pending; /* J, heat of the law that waits for the next thermal step */
 	double (*affine)[4]; /* APIC: B of its affine motion, m2/s, or C, 1/s (mpm/point.h); else NULL */
+	double (*damage_gradient)[2]; /* 1/m, of the smoothed damage, at the last look; NULL without contacts or damage */
 	double *contact_pressure; /* Pa, in the last step; NULL without contacts */
 	double *heat_friction_sum; /* J/m3 of initial volume, heat received from the law so far */
 	double *growth;     /* ln of its stress's growth while the step is above its limit: see limit.c */

@@ -33,6 +33,24 @@ INLINE void deform(double F[4], const double L[4], double dt)
 	mat2_multiply(e, F, F);
 }
 
+/* A broken point's F tells where its domain reaches, and no more: it stays where the domain has become absurd, stretched
+ * to 1/half or pressed to a quarter, until the motion brings it back (methods: frozen F). */
+INLINE void deform_point(const struct mpm *mpm, int p, const double L[4])
+{
+	double *F = mpm->p.F[p], old[4];
+	if (!mpm->p.damage || mpm->p.damage[p] < 1.0) {
+		deform(F, L, mpm->dt);
+		return;
+	}
+	memcpy(old, F, sizeof old);
+	deform(F, L, mpm->dt);
+	double stretch = F[0] * F[0] + F[1] * F[1] + F[2] * F[2] + F[3] * F[3], J = mat2_determinant(F);
+	double before = old[0] * old[0] + old[1] * old[1] + old[2] * old[2] + old[3] * old[3];
+	double half = mpm_work(mpm)->half[mpm->p.body[p]];
+	if ((half * half * stretch > 1.0 && stretch > before) || (J < 0.25 && J < mat2_determinant(old)))
+		memcpy(F, old, sizeof old);
+}
+
 /* W, of a stress (xx yy zz xy) in a volume on a velocity gradient. */
 INLINE double stress_power(const double s[4], const double L[4], double volume)
 {

@@ -208,7 +208,7 @@ static void strain_block(struct mpm *mpm, struct mpm_work *w, int block)
 				L[2] += u[1] * lists.grad_x[a], L[3] += u[1] * lists.grad_y[a];
 			}
 			w->strain_power[block] += stress_power(p->stress[q], L, mat2_determinant(p->F[q]) * p->volume0[q]);
-			deform(p->F[q], L, mpm->dt);
+			deform_point(mpm, q, L);
 			if (!w->way)
 				continue;
 			for (int c = 0; c < 2; c++)

@@ -201,6 +201,8 @@ void mpm_heat_nodes(struct mpm *mpm)
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < rows; j++)
 		begin_row(mpm, w, j);
+	if (w->contact)
+		contact_set_temperatures(mpm);
 	for (int pass = 0; pass < passes; pass++) {
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 		for (int j = 0; j < rows; j++)

@@ -373,7 +373,7 @@ INLINE void gather_chunk(struct mpm *mpm, struct mpm_work *w, const struct shape
 		move_point(p, q, &g, w, dt, parts, parts & PART_STRAIN || !w->way ? p->x[q] : w->way[q], sum);
 		if (parts & PART_STRAIN) {
 			memcpy(p->L[q], g.L, sizeof g.L);
-			deform(p->F[q], g.L, dt);
+			deform_point(mpm, q, g.L);
 		}
 		if (parts & PART_HEAT) {
 			if (w->freezes && w->freezing[p->material[q]].on)

@@ -51,6 +51,9 @@ static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct
 	if (status == STATUS_OK)
 		status =
 			h5_write(group, "region_mass", H5T_NATIVE_DOUBLE, (hsize_t)mpm->scene->n_regions, 0, memory->region_mass);
+	if (status == STATUS_OK && mpm->scene->n_cracks > 0)
+		status =
+			h5_write(group, "crack_length", H5T_NATIVE_DOUBLE, (hsize_t)mpm->scene->n_cracks, 0, memory->crack_length);
 	H5Gclose(group);
 	return status;
 }
@@ -146,6 +149,9 @@ static int checkpoint_read_history(hid_t file, const char *path, const struct sc
 	int status = h5_read_number(group, "time", &memory->time, path);
 	if (status == STATUS_OK)
 		status = h5_read(group, "region_mass", H5T_NATIVE_DOUBLE, (hsize_t)scene->n_regions, memory->region_mass, path);
+	if (status == STATUS_OK && scene->n_cracks > 0)
+		status =
+			h5_read(group, "crack_length", H5T_NATIVE_DOUBLE, (hsize_t)scene->n_cracks, memory->crack_length, path);
 	H5Gclose(group);
 	return status;
 }

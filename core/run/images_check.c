@@ -10,7 +10,7 @@ static const struct field frame_fields[] = {{"material", "-", 1, ""}, {"id", "-"
 
 static const struct law_type *law_type_of(const struct scene_law *law)
 {
-	const char *name = law->type == SCENE_LAW_RVE ? "rve" : "thermoelastic";
+	const char *name = scene_law_type_names[law->type];
 	for (int k = 0; law_types[k]; k++)
 		if (!strcmp(law_types[k]->name, name))
 			return law_types[k];

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "io/h5.h"
+#include "run/inspected.h"
 #include "run/run_private.h"
 
 /* What a look keeps of the run. */
@@ -15,8 +16,9 @@ struct look_parts {
 	struct scene *scene;
 	struct mpm *mpm;
 	struct run_fields *fields;
-	struct rve_model *model; /* of an RVE file or a packing */
-	unsigned char *state;    /* of its own, of a snapshot, an RVE file or a packing */
+	struct inspected *inspected; /* by the scene; of a checkpoint also by those who steered */
+	struct rve_model *model;     /* of an RVE file or a packing */
+	unsigned char *state;        /* of its own, of a snapshot, an RVE file or a packing */
 };
 
 /* The points of a state of a run, in the order of the file or of storage. */
@@ -56,7 +58,8 @@ static int look_make_mpm(struct look *look, char *text)
 	free(text);
 	CHECK(status);
 	CHECK(mpm_create(&parts->mpm, parts->scene));
-	return fields_create(&parts->fields, parts->mpm);
+	CHECK(fields_create(&parts->fields, parts->mpm));
+	return inspected_create(&parts->inspected, parts->mpm, parts->fields);
 }
 
 /* ---- values of the points ---- */
@@ -111,35 +114,59 @@ static int look_find_id(const struct look_points *points, long long id)
 	return -1;
 }
 
+/* One of the states that a snapshot carries. */
+struct look_stored {
+	char name[SCENE_NAME];
+	long long id;
+	bool anonymous; /* "point_412", of no inspection */
+};
+
+/* Number k of them; false after the last. */
+static bool look_stored(hid_t snapshot, int k, struct look_stored *stored)
+{
+	hid_t group = h5_has(snapshot, "rve") ? H5Gopen2(snapshot, "rve", H5P_DEFAULT) : -1;
+	H5G_info_t info = {.nlinks = 0};
+	bool there = group >= 0 && H5Gget_info(group, &info) >= 0 && (hsize_t)k < info.nlinks &&
+				 H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, (hsize_t)k, stored->name,
+									sizeof stored->name, H5P_DEFAULT) > 0;
+	hid_t set = there ? H5Dopen2(group, stored->name, H5P_DEFAULT) : -1;
+	there = there && set >= 0 && h5_read_integer(set, "id", &stored->id, "snapshot") == STATUS_OK;
+	stored->anonymous = there && !strncmp(stored->name, "point_", 6) &&
+						strspn(stored->name + 6, "0123456789") == strlen(stored->name + 6);
+	if (set >= 0)
+		H5Dclose(set);
+	if (group >= 0)
+		H5Gclose(group);
+	return there;
+}
+
+static void look_append(char *list, size_t size, const char *name)
+{
+	size_t used = strlen(list);
+	snprintf(list + used, size - used, "%s%s", used ? ", " : "", name);
+}
+
 /* An inspected RVE: a snapshot says which point it followed, a checkpoint belongs to the scene that does. */
 static int look_by_name(const struct look *look, const struct look_points *points, const char *name, int *point)
 {
-	const struct mpm *mpm = look->parts->mpm;
-	const struct scene *scene = mpm->scene;
-	char dataset[96], all[512] = "";
-	for (int i = 0; i < scene->n_inspect; i++) {
-		const struct scene_inspect *inspect = &scene->inspect[i];
-		size_t used = strlen(all);
-		snprintf(all + used, sizeof all - used, "%s%s", used ? ", " : "", inspect->name);
-		if (strcmp(inspect->name, name))
-			continue;
-		int stored =
-			inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
-		*point = stored < 0 ? -1 : look_find_id(points, mpm->p.id[stored]);
+	const struct inspected *inspected = look->parts->inspected;
+	char all[512] = "";
+	struct look_stored stored;
+	for (int k = 0; points->snapshot >= 0 && look_stored(points->snapshot, k, &stored); k++) {
+		if (!stored.anonymous)
+			look_append(all, sizeof all, stored.name);
+		if (!strcmp(stored.name, name))
+			*point = look_find_id(points, stored.id);
 	}
-	snprintf(dataset, sizeof dataset, "rve/%.64s", name);
-	if (points->snapshot >= 0 && h5_has(points->snapshot, "rve") && h5_has(points->snapshot, dataset)) {
-		hid_t set = H5Dopen2(points->snapshot, dataset, H5P_DEFAULT);
-		long long id = -1;
-		int status = h5_read_integer(set, "id", &id, look->source);
-		H5Dclose(set);
-		CHECK(status);
-		*point = look_find_id(points, id);
+	for (int i = 0; points->snapshot < 0 && i < inspected->n; i++) {
+		look_append(all, sizeof all, inspected->rves[i].name);
+		if (!strcmp(inspected->rves[i].name, name))
+			CHECK(inspected_point(inspected, &inspected->rves[i], point));
 	}
 	if (*point >= 0)
 		return STATUS_OK;
-	return error_set(STATUS_INPUT, "--name %s: expected the name of an RVE that the scene inspects (%s)", name,
-					 *all ? all : "it inspects none");
+	return error_set(STATUS_INPUT, "--name %s: expected the name of an RVE that is inspected in %s (%s)", name,
+					 look->source, *all ? all : "there is none");
 }
 
 /* The nearest of those with an RVE. */
@@ -225,36 +252,91 @@ static int look_take_point(struct look *look, const struct look_points *points, 
 	return STATUS_OK;
 }
 
-/* The name under which the scene inspects the point, or "". */
-static void look_take_name(struct look *look, const char *asked)
+/* The name under which the point is inspected, or "". */
+static void look_take_name(struct look *look, const struct look_points *points, const char *asked)
 {
-	const struct mpm *mpm = look->parts->mpm;
-	for (int i = 0; i < mpm->scene->n_inspect && !asked; i++) {
-		const struct scene_inspect *inspect = &mpm->scene->inspect[i];
-		int stored =
-			inspect->id >= 0 ? mpm_point_by_id(mpm, (int)inspect->id) : mpm_point_nearest_initial(mpm, inspect->at);
-		if (stored >= 0 && mpm->p.id[stored] == look->origin.point)
-			asked = inspect->name;
-	}
-	snprintf(look->origin.name, sizeof look->origin.name, "%.63s", asked ? asked : "");
+	const struct inspected *inspected = look->parts->inspected;
+	struct look_stored stored;
+	char *name = look->origin.name;
+	snprintf(name, sizeof look->origin.name, "%.63s", asked ? asked : "");
+	for (int k = 0; !*name && points->snapshot >= 0 && look_stored(points->snapshot, k, &stored); k++)
+		if (stored.id == look->origin.point && !stored.anonymous)
+			snprintf(name, sizeof look->origin.name, "%.63s", stored.name);
+	for (int i = 0; !*name && points->snapshot < 0 && i < inspected->n; i++)
+		if (!inspected->rves[i].rule && inspected->rves[i].id == look->origin.point)
+			snprintf(name, sizeof look->origin.name, "%.63s", inspected->rves[i].name);
 }
 
-/* A recorded path begins with the run, or where its inspection began: then a start file stands beside it. */
-static void look_take_skip(struct look *look)
+/* Is `file` the path of an RVE that steering began to inspect (NAME_STEP_path.csv), of this point, after *step and not
+ * after this state? */
+static bool look_is_later(const struct look *look, const char *folder, const char *file, long long *step)
 {
-	char name[128], path[FILE_PATH];
-	struct rve_file *start;
+	const size_t name = strlen(look->origin.name);
+	char start[FILE_PATH], state[128], rest[16] = "";
+	long long found = -1;
+	struct rve_file *rve;
+	if (strncmp(file, look->origin.name, name) || sscanf(file + name, "_%8lld%15s", &found, rest) != 2 ||
+		strcmp(rest, "_path.csv") || found <= *step || found > look->origin.step)
+		return false;
+	snprintf(state, sizeof state, "%.63s_%08lld.h5", look->origin.name, found);
+	if (file_join(start, folder, state) != STATUS_OK || rve_file_read(&rve, start) != STATUS_OK)
+		return false;
+	bool same = rve->origin.point == look->origin.point;
+	rve_file_free(rve);
+	*step = same ? found : *step;
+	return same;
+}
+
+/* The recorded path that leads on from this state: it begins with the run, or where steering began to inspect. */
+static int look_take_path(struct look *look)
+{
+	char folder[FILE_PATH], name[128];
+	long long began = -1;
 	look->skip = look->origin.step + !isnan(mpm_start_warming(look->parts->mpm, (int)look->origin.point));
-	snprintf(name, sizeof name, "rve/%s_start.h5", look->origin.name);
-	if (!*look->origin.name || file_join(path, look->folder, name) != STATUS_OK || !file_exists(path) ||
-		rve_file_read(&start, path) != STATUS_OK)
-		return;
-	if (start->origin.point == look->origin.point && start->origin.step <= look->origin.step)
-		look->skip = look->origin.step - start->origin.step;
-	rve_file_free(start);
+	if (!*look->origin.name)
+		return STATUS_OK;
+	CHECK(file_join(folder, look->folder, "rve"));
+	snprintf(name, sizeof name, "%s_path.csv", look->origin.name);
+	DIR *stream = opendir(folder);
+	for (struct dirent *entry; stream && (entry = readdir(stream));)
+		if (look_is_later(look, folder, entry->d_name, &began))
+			snprintf(name, sizeof name, "%.120s", entry->d_name);
+	if (stream)
+		closedir(stream);
+	if (began >= 0)
+		look->skip = look->origin.step - began;
+	CHECK(file_join(look->path, folder, name));
+	if (!file_exists(look->path))
+		look->path[0] = '\0';
+	return STATUS_OK;
 }
 
 /* ---- a checkpoint ---- */
+
+/* The log of those who steered says what was inspected at this state. */
+static int look_take_steered(struct look *look)
+{
+	struct inspected *inspected = look->parts->inspected;
+	struct steering_script script;
+	char path[FILE_PATH];
+	CHECK(file_join(path, look->folder, "steering.csv"));
+	if (!file_exists(path))
+		return STATUS_OK;
+	CHECK(steering_script_read(&script, path));
+	int status = STATUS_OK;
+	for (int k = 0; k < script.n && script.rows[k].step <= look->origin.step && status == STATUS_OK; k++) {
+		struct steering_command *command = &script.rows[k].command;
+		struct inspected_rve rve;
+		if (command->verb != STEER_INSPECT)
+			continue;
+		if (command->target == STEER_NOTHING)
+			inspected_remove(inspected, command->name);
+		else if (inspected_choose(inspected, command, &rve) == STATUS_OK)
+			status = inspected_set(inspected, &rve);
+	}
+	steering_script_free(&script);
+	return status;
+}
 
 static int look_checkpoint(struct look *look, const struct look_choice *choice)
 {
@@ -262,13 +344,17 @@ static int look_checkpoint(struct look *look, const struct look_choice *choice)
 	CHECK(checkpoint_read_scene(look->source, &text));
 	CHECK(look_make_mpm(look, text));
 	struct mpm *mpm = look->parts->mpm;
-	CHECK(checkpoint_look(look->source, mpm));
+	int status = checkpoint_look(look->source, mpm);
+	if (status != STATUS_OK)
+		return error_context(status, "this release cannot read that state");
 	struct look_points points = {.snapshot = -1, .n = mpm->p.n, .id = mpm->p.id, .x = mpm->p.x};
 	int point;
-	CHECK(look_choose(look, &points, choice, &point));
 	look->origin.step = mpm->step;
 	look->origin.time = mpm->time;
+	CHECK(look_take_steered(look));
+	CHECK(look_choose(look, &points, choice, &point));
 	CHECK(look_take_point(look, &points, point));
+	look_take_name(look, &points, choice->name);
 	const struct law *law = mpm->laws[mpm->p.law[point]];
 	return law->type->rve_view(law, mpm->p.slot[point], &look->view.model, &look->view.state);
 }
@@ -339,14 +425,9 @@ static int look_missing(const struct look *look, hid_t snapshot, int id)
 {
 	char command[8192], there[1024] = "", checkpoint[FILE_PATH], number[64], out[FILE_PATH];
 	double time;
-	const struct scene *scene = look->parts->scene;
-	for (int i = 0; i < scene->n_inspect; i++) {
-		char dataset[96];
-		size_t used = strlen(there);
-		snprintf(dataset, sizeof dataset, "rve/%s", scene->inspect[i].name);
-		if (h5_has(snapshot, dataset))
-			snprintf(there + used, sizeof there - used, "%s%s", used ? ", " : "", scene->inspect[i].name);
-	}
+	struct look_stored stored;
+	for (int k = 0; look_stored(snapshot, k, &stored); k++)
+		look_append(there, sizeof there, stored.name);
 	snprintf(command, sizeof command, "tmdempm run");
 	look_quote_scene(look, command, sizeof command);
 	snprintf(number, sizeof number, "%.12g", look->origin.time);
@@ -393,26 +474,19 @@ static int look_read_state(struct look *look, hid_t set, const struct law *law)
 	return STATUS_OK;
 }
 
-/* Among the states that a snapshot carries, the one of this point: under a name or its number. */
+/* Among the states that a snapshot carries, the one of this point, under whatever name. */
 static int look_find_state(struct look *look, hid_t snapshot, int id)
 {
-	const struct scene *scene = look->parts->scene;
-	for (int i = -1; i < scene->n_inspect; i++) {
-		char dataset[96];
-		long long found = -1;
-		if (i < 0)
-			snprintf(dataset, sizeof dataset, "rve/point_%d", id);
-		else
-			snprintf(dataset, sizeof dataset, "rve/%s", scene->inspect[i].name);
-		if (!h5_has(snapshot, "rve") || !h5_has(snapshot, dataset))
+	struct look_stored stored;
+	for (int k = 0; look_stored(snapshot, k, &stored); k++) {
+		char dataset[SCENE_NAME + 8];
+		if (stored.id != id)
 			continue;
+		snprintf(dataset, sizeof dataset, "rve/%s", stored.name);
 		hid_t set = H5Dopen2(snapshot, dataset, H5P_DEFAULT);
-		int status = h5_read_integer(set, "id", &found, look->source);
-		if (status == STATUS_OK && found == id)
-			status = look_read_state(look, set, look_law(look, id));
+		int status = look_read_state(look, set, look_law(look, id));
 		H5Dclose(set);
-		if (status != STATUS_OK || found == id)
-			return status;
+		return status;
 	}
 	return look_missing(look, snapshot, id);
 }
@@ -436,6 +510,7 @@ static int look_snapshot_points(struct look *look, struct look_points *points, c
 	CHECK(h5_read_integer(points->snapshot, "step", &look->origin.step, look->source));
 	CHECK(look_choose(look, points, choice, &point));
 	CHECK(look_take_point(look, points, point));
+	look_take_name(look, points, choice->name);
 	return look_find_state(look, points->snapshot, points->id[point]);
 }
 
@@ -598,9 +673,7 @@ static int look_any(struct look *look, const char *source, double time, const st
 		CHECK(look_find_folder(look));
 	}
 	CHECK(look_run(look, choice));
-	look_take_name(look, choice->name);
-	look_take_skip(look);
-	return STATUS_OK;
+	return look_take_path(look);
 }
 
 static void look_take_title(struct look *look)
@@ -633,6 +706,7 @@ void look_close(struct look *look)
 	struct look_parts *parts = look->parts;
 	if (!parts)
 		return;
+	inspected_free(parts->inspected);
 	fields_free(parts->fields);
 	mpm_free(parts->mpm);
 	scene_free(parts->scene);

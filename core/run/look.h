@@ -23,7 +23,8 @@ struct look {
 	char title[256];          /* of the scene, or "" */
 	double x[2];              /* m, where the point is; NAN without one */
 	long long skip;           /* rows that its recorded path has before it; -1 = no run */
-	char name[48];          /* in pictures: of the inspection, "point_412", or of the file */
+	char path[FILE_PATH];     /* that path, if there is one; "" = none */
+	char name[48];            /* in pictures: of the inspection, "point_412", or of the file */
 	struct look_parts *parts; /* private */
 };
 

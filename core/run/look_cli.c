@@ -367,13 +367,9 @@ static int show(const struct look_options *o)
 
 static void print_replay(const struct look_options *o, const struct look *look)
 {
-	char path[FILE_PATH], name[128];
-	snprintf(name, sizeof name, "rve/%s_path.csv", look->origin.name);
-	bool recorded =
-		*look->origin.name && look->skip >= 0 && file_join(path, look->folder, name) == STATUS_OK && file_exists(path);
-	if (recorded)
+	if (*look->path)
 		printf("drive it on    tmdempm rve load --packing %s --load path --path %s --skip %lld --out curve.csv\n",
-			   o->out, path, look->skip);
+			   o->out, look->path, look->skip);
 	else
 		printf(
 			"drive it on    tmdempm rve load --packing %s --load biaxial --lateral 10e3 --rate 1 --strain 0.05 --out "

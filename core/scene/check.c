@@ -113,7 +113,7 @@ static void check_unique(struct loader *loader, const char *list)
 static void check_names(struct loader *loader)
 {
 	static const char *const lists[] = {"laws",   "materials", "bodies",  "walls",   "boundaries",
-										"stages", "probes",    "regions", "inspect", "images"};
+										"stages", "probes",    "regions", "cracks", "inspect", "images"};
 	for (size_t k = 0; k < sizeof lists / sizeof *lists; k++)
 		check_unique(loader, lists[k]);
 	const struct node *laws = node_find(loader->root, "laws");
@@ -183,6 +183,20 @@ static void check_bonds(struct loader *loader, const struct scene_law_rve *rve, 
 				   scene_temperature_out(loader->scene, bonds->melting), scene_temperature_unit(loader->scene));
 }
 
+/* The softening of a point snaps back where its band is as wide as 2 E Gf / strength^2: half of that is asked for. */
+static void check_rankine(struct loader *loader, const struct scene_law_rankine *law, const char *path)
+{
+	double longest = law->young * law->fracture_energy / (law->strength * law->strength);
+	if (loader_clean(loader, "grid") && loader->scene->grid.cell * M_SQRT2 > longest) {
+		char key[PATH_LENGTH];
+		problem_of(loader, path_print(key, "%s.fracture_energy", path),
+				   "is too small for cells of %g m: a cracking point would snap back, expected cells of %.4g m or less = "
+				   "young fracture_energy / (sqrt(2) strength^2), or a fracture_energy of %.4g J/m2",
+				   loader->scene->grid.cell, longest / M_SQRT2,
+				   loader->scene->grid.cell * M_SQRT2 * law->strength * law->strength / law->young);
+	}
+}
+
 static void check_laws(struct loader *loader)
 {
 	for (int k = 0; k < loader->scene->n_laws; k++) {
@@ -194,6 +208,8 @@ static void check_laws(struct loader *loader)
 		if (law->type == SCENE_LAW_RVE) {
 			check_packing(loader, &law->rve.packing, path);
 			check_bonds(loader, &law->rve, path);
+		} else if (law->type == SCENE_LAW_RANKINE) {
+			check_rankine(loader, &law->rankine, path);
 		} else if (law->thermoelastic.neo_hookean && law->thermoelastic.plane_stress) {
 			char key[PATH_LENGTH];
 			problem_of(loader, path_print(key, "%s.plane", path),
@@ -202,11 +218,13 @@ static void check_laws(struct loader *loader)
 	}
 }
 
-/* P-wave modulus of linear elasticity, Pa. */
-static double p_wave_modulus(const struct scene_law_thermoelastic *law)
+/* P-wave modulus of a solid at small strain, Pa. */
+static double p_wave_modulus(const struct scene_law *law)
 {
-	double e = law->young, nu = law->poisson;
-	return law->plane_stress ? e / (1.0 - nu * nu) : e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
+	bool rankine = law->type == SCENE_LAW_RANKINE;
+	double e = rankine ? law->rankine.young : law->thermoelastic.young;
+	double nu = rankine ? law->rankine.poisson : law->thermoelastic.poisson;
+	return !rankine && law->thermoelastic.plane_stress ? e / (1.0 - nu * nu) : e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
 }
 
 /* The two step limits, where the file tells enough: dt <= b h sqrt(rho/M), dt_thermal <= rho c h^2 / (2 k). */
@@ -217,8 +235,8 @@ static void check_step(struct loader *loader, const struct scene_material *mater
 	double h = scene->grid.cell, step = scene->time.step, density = material->density;
 	if (law->type == SCENE_LAW_RVE && isnan(density))
 		density = law->rve.grain_density; /* the bulk is lighter: what is over this limit is over the true one */
-	if (law->type == SCENE_LAW_THERMOELASTIC) {
-		double limit = scene->time.step_factor * h * sqrt(density / p_wave_modulus(&law->thermoelastic));
+	if (law->type != SCENE_LAW_RVE) {
+		double limit = scene->time.step_factor * h * sqrt(density / p_wave_modulus(law));
 		if (scene->guards.time_step && step > limit)
 			problem_of(loader, "time.step",
 					   "is %g s, over the limit of material '%s', expected at most %.4g s = %g cell sqrt(density / M)",
@@ -258,6 +276,17 @@ static void check_freezing(struct loader *loader, int k)
 				   scene->time.thermal_steps, scene->materials[k].name);
 }
 
+static void check_cracks(struct loader *loader)
+{
+	const struct scene *scene = loader->scene;
+	bool breaks = false;
+	for (int k = 0; k < scene->n_laws; k++)
+		breaks = breaks || scene->laws[k].type == SCENE_LAW_RANKINE;
+	if (scene->n_cracks > 0 && !breaks)
+		problem_of(loader, "cracks", "are given though nothing can break, expected a law of type \"%s\"",
+				   scene_law_type_names[SCENE_LAW_RANKINE]);
+}
+
 static void check_materials(struct loader *loader)
 {
 	const struct scene *scene = loader->scene;
@@ -269,7 +298,7 @@ static void check_materials(struct loader *loader)
 		law_path(loader, material->law, path);
 		if (!loader_clean(loader, "%s", path))
 			continue;
-		bool elastic = scene->laws[material->law].type == SCENE_LAW_THERMOELASTIC;
+		bool elastic = scene->laws[material->law].type != SCENE_LAW_RVE;
 		if (elastic && isnan(material->density))
 			problem_of(loader, path_to(path, "materials", k, "density"), "is missing, expected a number > 0 (kg/m3)");
 		if (scene->thermal.on && isnan(material->heat_capacity))
@@ -439,6 +468,19 @@ static void check_motion(struct loader *loader, int k)
 	}
 }
 
+static void check_cuts(struct loader *loader, int k)
+{
+	const struct scene_body *body = &loader->scene->bodies[k];
+	char path[PATH_LENGTH];
+	for (int j = 0; j < body->n_cuts; j++) {
+		path_print(path, "bodies.[%d].cuts.[%d]", k, j);
+		if (body->cuts[j].n_vertices == 0)
+			problem_of(loader, path, "has no shape, expected box = [...], polygon = (...) or disc = [...]");
+		else
+			check_polygon(loader, path, body->cuts[j].n_vertices, (const double(*)[2])body->cuts[j].vertices);
+	}
+}
+
 static void check_bodies(struct loader *loader)
 {
 	struct scene *scene = loader->scene;
@@ -455,6 +497,8 @@ static void check_bodies(struct loader *loader)
 					   body->points_per_cell);
 		check_layers(loader, k);
 		check_gradient(loader, k);
+		if (loader_clean(loader, "grid"))
+			check_cuts(loader, k);
 		path_to(path, "bodies", k, shape_key(loader, "bodies", k));
 		if (!*shape_key(loader, "bodies", k)) {
 			problem_of(loader, path,
@@ -625,13 +669,14 @@ static void check_follow(struct loader *loader)
 	}
 }
 
-/* Heat through a surface goes to the points of a box: is there one, unless it comes to them later? */
-static void check_heated_points(struct loader *loader, int k)
+/* Heat through a surface goes to the points of a box, and so does a traction: is there one, unless heat comes to them
+ * later? */
+static void check_points_of_box(struct loader *loader, int k)
 {
 	const struct scene *scene = loader->scene;
 	const struct scene_boundary *b = &scene->boundaries[k];
 	char path[PATH_LENGTH];
-	bool holds = b->from > 0.0;
+	bool loads = scene_boundary_loads_points(b), holds = b->from > 0.0 && !loads;
 	for (int n = 0; n < scene->n_bodies && !holds; n++) {
 		if (loader->n_points[n] < 0)
 			return;
@@ -642,8 +687,8 @@ static void check_heated_points(struct loader *loader, int k)
 	}
 	if (!holds)
 		problem_of(loader, path_to(path, "boundaries", k, "box"),
-				   "holds no point at the start to be heated, expected one that reaches %g m (layer) into a body",
-				   b->layer);
+				   "holds no point at the start to be %s, expected one that reaches %g m (layer) into a body",
+				   loads ? "loaded" : "heated", b->layer);
 }
 
 static void check_boundaries(struct loader *loader)
@@ -661,9 +706,10 @@ static void check_boundaries(struct loader *loader)
 		check_one_of(loader, "boundaries", k, "convection.ambient", b->convection.ambient,
 					 &b->convection.ambient_table);
 		check_convection(loader, k);
-		if (!nodal && !scene_boundary_heats_points(b) && clean_element(loader, "boundaries", k))
+		bool of_points = scene_boundary_heats_points(b) || scene_boundary_loads_points(b);
+		if (!nodal && !of_points && clean_element(loader, "boundaries", k))
 			problem_of(loader, path_to(path, "boundaries", k, ""),
-					   "imposes nothing, expected velocity_x, velocity_y, temperature, flux or convection");
+					   "imposes nothing, expected velocity_x, velocity_y, temperature, flux, convection, traction_x or traction_y");
 		if (b->until <= b->from)
 			problem_of(loader, path_to(path, "boundaries", k, "until"), "is %g s, expected more than from = %g s",
 					   b->until, b->from);
@@ -678,8 +724,8 @@ static void check_boundaries(struct loader *loader)
 					   "holds no node of the grid, expected one at least (cells of %g m from "
 					   "(%g, %g))",
 					   grid->cell, grid->origin[0], grid->origin[1]);
-		if (scene_boundary_heats_points(b) && clean_element(loader, "boundaries", k))
-			check_heated_points(loader, k);
+		if (of_points && clean_element(loader, "boundaries", k))
+			check_points_of_box(loader, k);
 	}
 }
 
@@ -893,7 +939,7 @@ static void check_inspect(struct loader *loader)
 
 static void check_images(struct loader *loader)
 {
-	static const char *const rve_fields[] = {"displacement", "rotation", "coordination", "radius"};
+	static const char *const rve_fields[] = {"displacement", "rotation", "coordination", "temperature", "radius"};
 	const struct scene *scene = loader->scene;
 	const struct node *list = node_find(loader->root, "images");
 	char path[PATH_LENGTH];
@@ -909,6 +955,9 @@ static void check_images(struct loader *loader)
 			if (rve)
 				problem_at(loader, rve->place, path_to(path, "images", k, "rve"),
 						   "is given for a picture of points, expected kind = \"rve\"");
+			if (image->before)
+				problem_of(loader, path_to(path, "images", k, "before"),
+						   "is given for a picture of points, expected kind = \"rve\"");
 			continue;
 		}
 		if (rve)
@@ -920,7 +969,8 @@ static void check_images(struct loader *loader)
 			known |= !strcmp(image->field, rve_fields[f]);
 		if (!known)
 			problem_of(loader, path_to(path, "images", k, "field"),
-					   "is \"%s\", expected a field of an RVE: displacement, rotation, coordination or radius",
+					   "is \"%s\", expected a field of an RVE: displacement, rotation, coordination, temperature or "
+					   "radius",
 					   image->field);
 	}
 }
@@ -930,8 +980,9 @@ static void check_images(struct loader *loader)
 static bool same_pair(const struct scene_contact *a, const struct scene_contact *b)
 {
 	return a->n_bodies == b->n_bodies &&
-		   (a->n_bodies == 0 || (a->bodies[0] == b->bodies[0] && a->bodies[1] == b->bodies[1]) ||
-			(a->bodies[0] == b->bodies[1] && a->bodies[1] == b->bodies[0]));
+		   (a->n_bodies == 0 || (a->n_bodies == 1 && a->bodies[0] == b->bodies[0]) ||
+			(a->n_bodies == 2 && ((a->bodies[0] == b->bodies[0] && a->bodies[1] == b->bodies[1]) ||
+								  (a->bodies[0] == b->bodies[1] && a->bodies[1] == b->bodies[0]))));
 }
 
 static void check_contact(struct loader *loader, int k)
@@ -985,6 +1036,7 @@ void check_scene(struct loader *loader)
 	if (loader_clean(loader, "mpm"))
 		check_transfer(loader);
 	check_laws(loader);
+	check_cracks(loader);
 	check_materials(loader);
 	check_stages(loader);
 	check_installing(loader);

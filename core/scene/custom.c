@@ -66,9 +66,9 @@ static int append_law(struct loader *loader, const struct scene_key *key, struct
 	} else {
 		const struct node *type = node_find(node, "type");
 		problem_at(loader, type ? type->place : node->place, path,
-				   type ? "has a type that is not known, expected \"%s\" or \"%s\""
-						: "has no type, expected \"%s\" or \"%s\"",
-				   key->tables[0].type, key->tables[1].type);
+				   type ? "has a type that is not known, expected \"%s\", \"%s\" or \"%s\""
+						: "has no type, expected \"%s\", \"%s\" or \"%s\"",
+				   scene_law_type_names[0], scene_law_type_names[1], scene_law_type_names[2]);
 	}
 	if (!law->name[0])
 		snprintf(law->name, sizeof law->name, "%s", material);
@@ -336,12 +336,12 @@ void read_contact_bodies(struct loader *loader, const struct scene_key *key, str
 	struct scene_contact *contact = target;
 	if (!is_string_list(loader, key, node, path))
 		return;
-	if (node->n != 2) {
+	if (node->n < 1 || node->n > 2) {
 		problem_at(loader, node->place, path, "has %d names, expected %s", node->n, key->expected);
 		return;
 	}
-	contact->n_bodies = 2;
-	for (int k = 0; k < 2; k++)
+	contact->n_bodies = node->n;
+	for (int k = 0; k < node->n; k++)
 		contact->bodies[k] = read_reference(loader, node->children[k], "bodies", path);
 }
 

@@ -16,7 +16,16 @@ double scene_body_spacing(const struct scene *scene, const struct scene_body *bo
 	return scene->grid.cell / sqrt((double)body->points_per_cell);
 }
 
-bool scene_body_contains(const struct scene_body *body, const double x[2], double tolerance)
+void scene_body_turn(const struct scene_body *body, double direction, double x[2])
+{
+	if (body->angle == 0.0)
+		return;
+	double c = cos(body->angle), s = direction * sin(body->angle);
+	double dx = x[0] - body->pivot[0], dy = x[1] - body->pivot[1];
+	x[0] = body->pivot[0] + c * dx - s * dy, x[1] = body->pivot[1] + s * dx + c * dy;
+}
+
+static bool outline_contains(const struct scene_body *body, const double x[2], double tolerance)
 {
 	const double(*v)[2] = (const double(*)[2])body->vertices;
 	if (body->radius > 0.0) {
@@ -28,13 +37,23 @@ bool scene_body_contains(const struct scene_body *body, const double x[2], doubl
 	return polygon_contains(body->n_vertices, v, x, fmax(tolerance, 0.0));
 }
 
+bool scene_body_contains(const struct scene_body *body, const double x[2], double tolerance)
+{
+	bool inside = outline_contains(body, x, tolerance);
+	for (int k = 0; k < body->n_cuts && inside; k++)
+		inside = !outline_contains(&body->cuts[k], x, -tolerance);
+	return inside;
+}
+
 /* The indices i of lattice coordinates origin + (i + 1/2) s that can lie in the body's extent along `axis`. */
 static void lattice_range(const struct scene_body *body, int axis, double origin, double s, double *first, double *last)
 {
 	double low = INFINITY, high = -INFINITY;
 	for (int k = 0; k < body->n_vertices; k++) {
-		low = fmin(low, body->vertices[k][axis]);
-		high = fmax(high, body->vertices[k][axis]);
+		double v[2] = {body->vertices[k][0], body->vertices[k][1]};
+		scene_body_turn(body, -1.0, v);
+		low = fmin(low, v[axis]);
+		high = fmax(high, v[axis]);
 	}
 	*first = floor((low - origin) / s - 0.5);
 	*last = ceil((high - origin) / s - 0.5);
@@ -62,6 +81,7 @@ int scene_body_points(const struct scene *scene, const struct scene_body *body, 
 	for (int j = 0; j < (int)rows; j++)
 		for (int i = 0; i < (int)columns; i++) {
 			double p[2] = {origin[0] + (first[0] + i + 0.5) * s, origin[1] + (first[1] + j + 0.5) * s};
+			scene_body_turn(body, 1.0, p);
 			if (!scene_body_contains(body, p, ON_EDGE * s))
 				continue;
 			if (count == capacity) {

@@ -23,12 +23,25 @@ static bool needs_heat(const struct scene *scene)
 	return needs;
 }
 
+/* Puts a shape where it stays, counter-clockwise. */
+static void turn_shape(const struct scene_body *body, struct scene_body *shape)
+{
+	for (int j = 0; j < shape->n_vertices; j++)
+		scene_body_turn(body, 1.0, shape->vertices[j]);
+	scene_body_turn(body, 1.0, shape->centre);
+	polygon_orient(shape->n_vertices, shape->vertices);
+}
+
 static void finish_bodies(struct scene *scene, const struct node *bodies)
 {
 	for (int k = 0; k < scene->n_bodies; k++) {
 		struct scene_body *body = &scene->bodies[k];
 		body->temperature = otherwise(body->temperature, ROOM_TEMPERATURE);
-		polygon_orient(body->n_vertices, body->vertices);
+		body->angle *= M_PI / 180.0;
+		body->drives = !isnan(body->drive[0]);
+		turn_shape(body, body);
+		for (int j = 0; j < body->n_cuts; j++)
+			turn_shape(body, &body->cuts[j]);
 		for (int a = 0; a < 2; a++) {
 			double low = INFINITY;
 			for (int j = 0; j < body->n_vertices; j++)
@@ -113,7 +126,8 @@ void finish_scene(struct loader *loader)
 	if (!thermal || !node_find(thermal, "on"))
 		scene->thermal.on = needs_heat(scene);
 	for (int k = 0; k < scene->n_laws; k++)
-		finish_rve(&scene->laws[k].rve), scene->laws[k].rve.step_guard = scene->guards.dem_step;
+		finish_rve(&scene->laws[k].rve), scene->laws[k].rve.step_guard = scene->guards.dem_step,
+			scene->laws[k].rankine.cell = scene->grid.cell;
 	if (scene->n_materials)
 		finish_materials(scene, node_find(loader->root, "materials"));
 	if (scene->n_bodies)
@@ -128,5 +142,7 @@ void finish_scene(struct loader *loader)
 		if (!node_find(stages->children[k], "walls"))
 			scene->stages[k].n_walls = -1;
 	}
+	for (int k = 0; k < scene->n_cracks; k++)
+		scene->cracks[k].reach = otherwise(scene->cracks[k].reach, 3.0 * scene->grid.cell);
 	finish_output(scene);
 }

@@ -136,11 +136,13 @@ static const struct scene_key economy_keys[] = {
 	{.name = "quiet", .type = KEY_GROUP, AT(scene_economy, quiet), KEYS(quiet_keys), .doc = "RVEs to which little happens"},
 	END};
 
+const char *const scene_law_type_names[] = {"thermoelastic", "rve", "neohookean_rankine", NULL};
+
 #define LAW_KEYS \
 	{.name = "name", .type = KEY_NAME, AT(scene_law, name), .absent = "the material's name (in the list laws it is required)", \
 	 .doc = "by which materials refer to the law"}, \
-	{.name = "type", .type = KEY_ENUM, AT(scene_law, type), .required = true, CHOICES("thermoelastic", "rve"), \
-	 .doc = "linear thermoelasticity, or a cell of discs behind every point"}
+	{.name = "type", .type = KEY_ENUM, AT(scene_law, type), .required = true, .choices = scene_law_type_names, \
+	 .doc = "thermoelasticity, a cell of discs behind every point, or a brittle solid"}
 
 static const struct scene_key thermoelastic_keys[] = {
 	LAW_KEYS,
@@ -200,7 +202,33 @@ static const struct scene_key rve_keys[] = {
 	 .max = 1.0, .doc = "overlap / smaller radius at which the run is stopped"},
 	END};
 
-#define LAW_TABLES .tables = (const struct scene_table[]){{"thermoelastic", thermoelastic_keys}, {"rve", rve_keys}, {NULL, NULL}}
+static const struct scene_key rankine_keys[] = {
+	LAW_KEYS,
+	{.name = "young", .type = KEY_FLOAT, AT(scene_law, rankine.young), .unit = "Pa", .required = true, .range = RANGE_POSITIVE,
+	 .doc = "Young's modulus"},
+	{.name = "poisson", .type = KEY_FLOAT, AT(scene_law, rankine.poisson), .required = true, .range = RANGE_BETWEEN, .min = -1.0,
+	 .max = 0.5, .doc = "Poisson's ratio"},
+	{.name = "expansion", .type = KEY_FLOAT, AT(scene_law, rankine.expansion), .unit = "1/K", .value = "0.0", .range = RANGE_WITHIN,
+	 .min = -0.1, .max = 0.1, .doc = "linear thermal expansion; with heat, stretching cools by it"},
+	{.name = "strength", .type = KEY_FLOAT, AT(scene_law, rankine.strength), .unit = "Pa", .required = true, .range = RANGE_POSITIVE,
+	 .doc = "largest principal stress that it bears"},
+	{.name = "fracture_energy", .type = KEY_FLOAT, AT(scene_law, rankine.fracture_energy), .unit = "J/m2", .required = true,
+	 .range = RANGE_POSITIVE, .doc = "that a crack takes per area; cells must be smaller than young fracture_energy / (sqrt(2) strength^2)"},
+	{.name = "compression", .type = KEY_FLAG, AT(scene_law, rankine.unilateral), .value = "\"scaled\"", CHOICES("scaled", "whole"),
+	 .doc = "whether damage takes all of the stress, or only the principal stresses that pull"},
+	{.name = "band", .type = KEY_FLAG, AT(scene_law, rankine.projected), .value = "\"diagonal\"", CHOICES("diagonal", "projected"),
+	 .doc = "width over which a crack's opening is spread: the cell's diagonal, or its width along the stress that opens it"},
+	{.name = "heat_share", .type = KEY_FLOAT, AT(scene_law, rankine.heat_share), .value = "1.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "share of the fracture energy that becomes heat; 0: it stays in the new surfaces"},
+	{.name = "weibull", .type = KEY_FLOAT, AT(scene_law, rankine.weibull), .value = "0.0", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "modulus of the strength's scatter from point to point about its mean; 0 = the same everywhere"},
+	{.name = "seed", .type = KEY_UNSIGNED, AT(scene_law, rankine.seed), .value = "1", .range = RANGE_WITHIN, .min = 0, .max = 4294967295.0,
+	 .doc = "of that scatter"},
+	END};
+
+#define LAW_TABLES \
+	.tables = (const struct scene_table[]){ \
+		{"thermoelastic", thermoelastic_keys}, {"rve", rve_keys}, {"neohookean_rankine", rankine_keys}, {NULL, NULL}}
 
 static const struct scene_key material_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_material, name), .required = true, .doc = "by which bodies refer to the material"},
@@ -208,11 +236,11 @@ static const struct scene_key material_keys[] = {
 	 .expected = "the name of a law, or a law in braces: { type = ...; ... }", LAW_TABLES,
 	 .doc = "name of a law in laws, or a law of its own in braces"},
 	{.name = "density", .type = KEY_FLOAT, AT(scene_material, density), .unit = "kg/m3", .range = RANGE_POSITIVE,
-	 .absent = "grain_density / (1 + void ratio) of an rve; thermoelastic: required", .doc = "bulk density at the start"},
+	 .absent = "grain_density / (1 + void ratio) of an rve; else required", .doc = "bulk density at the start"},
 	{.name = "heat_capacity", .type = KEY_FLOAT, AT(scene_material, heat_capacity), .unit = "J/(kg K)", .range = RANGE_POSITIVE,
 	 .absent = "only without heat", .doc = "specific heat capacity"},
 	{.name = "conductivity", .type = KEY_FLOAT, AT(scene_material, conductivity), .unit = "W/(m K)", .range = RANGE_NOT_NEGATIVE,
-	 .absent = "from the contacts of an rve; thermoelastic: only without heat", .doc = "thermal conductivity"},
+	 .absent = "from the contacts of an rve; else only without heat", .doc = "thermal conductivity"},
 	{.name = "reference_temperature", .type = KEY_TEMPERATURE, AT(scene_material, reference_temperature),
 	 .absent = "the temperature at the start", .doc = "at which the thermal strain is zero"},
 	{.name = "freezing", .type = KEY_CUSTOM, AT(scene_material, freezing), .absent = "it does not freeze", .read = read_freezing,
@@ -245,6 +273,15 @@ static const struct scene_key motion_keys[] = {
 	 .doc = "a body force keeps the body on the motion; false: it is born with it, then free"},
 	END};
 
+static const struct scene_key cut_keys[] = {
+	{.name = "box", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_body_shape,
+	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "as of a body"},
+	{.name = "polygon", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_body_shape,
+	 .expected = "([x, y], [x, y], [x, y], ...)", .doc = "as of a body"},
+	{.name = "disc", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_body_circle,
+	 .expected = "[x, y, radius] with radius > 0", .doc = "as of a body"},
+	END};
+
 static const struct scene_key body_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_body, name), .required = true, .doc = "of the body"},
 	{.name = "material", .type = KEY_CUSTOM, AT(scene_body, material), .required = true, .text = true, .read = read_material_name,
@@ -257,6 +294,11 @@ static const struct scene_key body_keys[] = {
 	 .expected = "[x, y, radius] with radius > 0", .doc = "the region, as [x, y, radius]"},
 	{.name = "ring", .type = KEY_CUSTOM, .unit = "m", .absent = "only with another shape", .read = read_body_circle,
 	 .expected = "[x, y, inner, outer] with 0 < inner < outer", .doc = "the region between two circles, as [x, y, inner radius, outer radius]"},
+	{.name = "cuts", LIST(scene_body, cuts, n_cuts), KEYS(cut_keys), .absent = "none", .doc = "regions taken out of the body: notches, holes"},
+	{.name = "angle", .type = KEY_FLOAT, AT(scene_body, angle), .unit = "deg", .value = "0.0", .range = RANGE_WITHIN, .min = -360.0, .max = 360.0,
+	 .doc = "by which region, cuts and lattice are turned counter-clockwise; the domains of its points turn with shape = \"cpdi\" only"},
+	{.name = "pivot", .type = KEY_FLOATS, AT(scene_body, pivot), .count = 2, .unit = "m", .value = "[0.0, 0.0]",
+	 .doc = "about which"},
 	{.name = "lattice_origin", .type = KEY_FLOATS, AT(scene_body, lattice_origin), .count = 2, .unit = "m", .absent = "the grid's origin",
 	 .doc = "points sit strictly inside the region at lattice_origin + (i + 1/2, j + 1/2) spacing"},
 	{.name = "points_per_cell", .type = KEY_INT, AT(scene_body, points_per_cell), .value = "4", .range = RANGE_WITHIN, .min = 1, .max = 16,
@@ -268,6 +310,10 @@ static const struct scene_key body_keys[] = {
 	 .absent = "the lower left corner of the box around the body", .doc = "where those temperatures hold"},
 	{.name = "velocity", .type = KEY_FLOATS, AT(scene_body, velocity), .count = 2, .unit = "m/s", .value = "[0.0, 0.0]",
 	 .doc = "at the start"},
+	{.name = "drive", .type = KEY_FLOATS, AT(scene_body, drive), .count = 2, .unit = "m/s", .absent = "free",
+	 .doc = "velocity of a rigid driver: imposed on every node that the body's points touch"},
+	{.name = "drive_ramp", .type = KEY_FLOAT, AT(scene_body, drive_ramp), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "time in which that rises from nothing, in a straight line"},
 	{.name = "motion", .type = KEY_GROUP, AT(scene_body, motion), KEYS(motion_keys), .absent = "none",
 	 .doc = "an exact motion that the body is born with and follows, for verification"},
 	{.name = "variants", .type = KEY_INT, AT(scene_body, variants), .value = "1", .range = RANGE_WITHIN, .min = 1, .max = 1000,
@@ -321,11 +367,15 @@ static const struct scene_key convection_keys[] = {
 static const struct scene_key boundary_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_boundary, name), .required = true, .doc = "of the boundary"},
 	{.name = "box", .type = KEY_CUSTOM, AT(scene_boundary, min), .n_offset = offsetof(struct scene_boundary, max), .unit = "m", .required = true, .read = read_box,
-	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "nodes in [xmin, ymin, xmax, ymax] (which may have no width); points, for a flux or convection"},
+	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "nodes in [xmin, ymin, xmax, ymax] (which may have no width); points, for a flux, convection or traction"},
 	{.name = "velocity_x", .type = KEY_FLOAT, AT(scene_boundary, velocity[0]), .unit = "m/s", .absent = "free",
 	 .doc = "imposed on the nodes"},
 	{.name = "velocity_y", .type = KEY_FLOAT, AT(scene_boundary, velocity[1]), .unit = "m/s", .absent = "free",
 	 .doc = "imposed on the nodes"},
+	{.name = "traction_x", .type = KEY_FLOAT, AT(scene_boundary, traction[0]), .unit = "Pa", .absent = "none",
+	 .doc = "on the points that begin in the box: each carries traction / layer per initial volume, as a dead load"},
+	{.name = "traction_y", .type = KEY_FLOAT, AT(scene_boundary, traction[1]), .unit = "Pa", .absent = "none",
+	 .doc = "on the points that begin in the box: each carries traction / layer per initial volume, as a dead load"},
 	{.name = "temperature", .type = KEY_TEMPERATURE, AT(scene_boundary, temperature), .absent = "free", .doc = "imposed on the nodes"},
 	{.name = "temperature_table", .type = KEY_CUSTOM, AT(scene_boundary, temperature_table), .absent = "constant", .read = read_temperature_series, SERIES,
 	 .doc = "or as it changes in time: ([s, temperature], ...), linear between the rows, held outside them"},
@@ -335,7 +385,7 @@ static const struct scene_key boundary_keys[] = {
 	{.name = "convection", .type = KEY_GROUP, AT(scene_boundary, convection), KEYS(convection_keys),
 	 .doc = "heat exchanged with the surroundings: coefficient (ambient - temperature in the layer)"},
 	{.name = "layer", .type = KEY_FLOAT, AT(scene_boundary, layer), .unit = "m", .absent = "one cell", .range = RANGE_POSITIVE,
-	 .doc = "depth of the material in the box: each of its points gets the flux / layer per volume"},
+	 .doc = "depth of the material in the box: each of its points gets the flux or traction / layer per volume"},
 	{.name = "from", .type = KEY_FLOAT, AT(scene_boundary, from), .unit = "s", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
 	 .doc = "active from this time"},
 	{.name = "until", .type = KEY_FLOAT, AT(scene_boundary, until), .unit = "s", .absent = "for ever", .range = RANGE_POSITIVE,
@@ -344,7 +394,9 @@ static const struct scene_key boundary_keys[] = {
 
 static const struct scene_key contact_keys[] = {
 	{.name = "bodies", .type = KEY_CUSTOM, .absent = "every pair of bodies that no other contact names", .read = read_contact_bodies,
-	 .expected = "the names of two bodies: (\"a\", \"b\")", .doc = "names of the two bodies"},
+	 .expected = "the names of two bodies: (\"a\", \"b\"), or of one for its own cracks", .doc = "names of the two bodies; or of one, for the faces of its own cracks"},
+	{.name = "cracks", .type = KEY_BOOL, AT(scene_contact, cracks), .value = "false",
+	 .doc = "also between the faces of cracks in each of these bodies; without it they are welded, and pass no force where the law has lost its stress"},
 	{.name = "friction", .type = KEY_FLOAT, AT(scene_contact, friction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 100.0,
 	 .doc = "coefficient of friction"},
 	{.name = "softening", .type = KEY_CUSTOM, AT(scene_contact, softening), .absent = "friction does not depend on temperature", .read = read_softening,
@@ -392,6 +444,16 @@ static const struct scene_key region_keys[] = {
 	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "[xmin, ymin, xmax, ymax]"},
 	END};
 
+static const struct scene_key crack_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_crack, name), .required = true, .doc = "of the crack; its columns in the history are crack.NAME"},
+	{.name = "at", .type = KEY_FLOATS, AT(scene_crack, at), .count = 2, .unit = "m", .required = true,
+	 .doc = "where it begins, in the initial body: the end of a notch"},
+	{.name = "axis", .type = KEY_FLOAT, AT(scene_crack, axis), .unit = "deg", .value = "0.0", .range = RANGE_WITHIN, .min = -360.0, .max = 360.0,
+	 .doc = "direction from which its angle counts, itself from the x axis"},
+	{.name = "reach", .type = KEY_FLOAT, AT(scene_crack, reach), .unit = "m", .absent = "three cells", .range = RANGE_POSITIVE,
+	 .doc = "how far from there its first broken point may lie"},
+	END};
+
 static const struct scene_key inspect_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_inspect, name), .required = true, .doc = "of the RVE in files and pictures"},
 	{.name = "at", .type = KEY_FLOATS, AT(scene_inspect, at), .count = 2, .unit = "m", .absent = "only with another place",
@@ -420,10 +482,13 @@ static const struct scene_key image_keys[] = {
 	{.name = "kind", .type = KEY_ENUM, AT(scene_image, kind), .value = "\"points\"", CHOICES("points", "rve"),
 	 .doc = "the scene, its points drawn as the domains they own, or one RVE"},
 	{.name = "field", .type = KEY_NAME, AT(scene_image, field), .required = true,
-	 .doc = "a field of the points (tmdempm info lists them); of an RVE: displacement, rotation, coordination or radius"},
+	 .doc = "a field of the points (tmdempm info lists them); of an RVE: displacement, rotation, coordination, temperature or "
+			"radius"},
 	{.name = "component", .type = KEY_CUSTOM, AT(scene_image, component), .value = "\"magnitude\"", .text = true, .read = read_component,
 	 .expected = "\"magnitude\", x, y, xx, yy, zz or xy", .doc = "magnitude (or the scalar itself), x, y, xx, yy, zz or xy"},
 	{.name = "rve", .type = KEY_NAME, AT(scene_image, rve), .absent = "only for points", .doc = "name in inspect"},
+	{.name = "before", .type = KEY_BOOL, AT(scene_image, before), .value = "false",
+	 .doc = "of an RVE: beside how it was at birth; wants a wide size"},
 	{.name = "view", .type = KEY_FLOATS, AT(scene_image, view), .count = 4, .unit = "m", .absent = "the grid, or the RVE's cell",
 	 .doc = "[xmin, ymin, xmax, ymax]"},
 	{.name = "size", .type = KEY_INTS, AT(scene_image, size), .count = 2, .unit = "pixels", .value = "[1000, 800]", .range = RANGE_WITHIN,
@@ -499,6 +564,8 @@ static const struct scene_key root_keys[] = {
 	{.name = "probes", LIST(scene, probes, n_probes), KEYS(probe_keys), .absent = "none", .doc = "points recorded in history.csv"},
 	{.name = "regions", LIST(scene, regions, n_regions), KEYS(region_keys), .absent = "none",
 	 .doc = "boxes whose mass, flow, volume and mean temperature go to history.csv"},
+	{.name = "cracks", LIST(scene, cracks, n_cracks), KEYS(crack_keys), .absent = "none",
+	 .doc = "cracks whose tip, length and angle go to history.csv, with the number and size of the pieces"},
 	{.name = "inspect", LIST(scene, inspect, n_inspect), KEYS(inspect_keys), .absent = "none",
 	 .doc = "RVEs written to files with their path, to be drawn"},
 	{.name = "output", .type = KEY_GROUP, AT(scene, output), KEYS(output_keys), .doc = "what is written, how often"},

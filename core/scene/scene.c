@@ -336,6 +336,11 @@ bool scene_boundary_heats_nodes(const struct scene_boundary *boundary)
 	return !isnan(boundary->temperature) || boundary->temperature_table.n;
 }
 
+bool scene_boundary_loads_points(const struct scene_boundary *boundary)
+{
+	return !isnan(boundary->traction[0]) || !isnan(boundary->traction[1]);
+}
+
 bool scene_boundary_heats_points(const struct scene_boundary *boundary)
 {
 	return !isnan(boundary->flux) || boundary->flux_table.n || boundary->convection.coefficient > 0.0;

@@ -72,7 +72,8 @@ struct scene_thermal {
 
 /* ---- laws ---- */
 
-enum scene_law_type { SCENE_LAW_THERMOELASTIC, SCENE_LAW_RVE };
+enum scene_law_type { SCENE_LAW_THERMOELASTIC, SCENE_LAW_RVE, SCENE_LAW_RANKINE };
+extern const char *const scene_law_type_names[]; /* in the order of the enum, NULL-terminated */
 
 struct scene_law_thermoelastic {
 	double young;      /* Pa */
@@ -80,6 +81,19 @@ struct scene_law_thermoelastic {
 	double expansion;  /* 1/K, linear */
 	bool plane_stress; /* default false: plane strain */
 	bool neo_hookean;  /* default false: hencky */
+};
+
+/* Neo-Hookean thermoelasticity that breaks by Rankine's criterion: law/neohookean_rankine.c. */
+struct scene_law_rankine {
+	double young, poisson, expansion; /* Pa, -, 1/K */
+	double strength;                  /* Pa, tensile; the mean where it is scattered */
+	double fracture_energy;           /* J/m2 */
+	bool unilateral;                  /* default false: damage takes compression with it too */
+	bool projected;                   /* length of the band from the crack's direction; default false: cell sqrt(2) */
+	double heat_share;                /* chi, of the fracture energy that becomes heat; default 1 */
+	double weibull;                   /* modulus of the scatter of the strength; 0 = none (default) */
+	unsigned seed;
+	double cell;                      /* m, the grid's */
 };
 
 /* How to make (or where to find) the packing of an RVE law; see rve/packing.h. */
@@ -141,6 +155,7 @@ struct scene_law {
 	enum scene_law_type type;
 	struct scene_law_thermoelastic thermoelastic;
 	struct scene_law_rve rve;
+	struct scene_law_rankine rankine;
 	struct scene_place place;
 };
 
@@ -180,12 +195,19 @@ struct scene_body {
 	double (*vertices)[2];    /* m, counter-clockwise after loading */
 	double centre[2];         /* m, of a disc or ring */
 	double radius, hole;      /* m; radius 0 = a polygon; hole 0 = a disc */
-	double lattice_origin[2]; /* m; NAN = the grid's origin: points sit at (i + 1/2) cell/side from here */
+	int n_cuts;
+	struct scene_body *cuts;  /* regions taken out of it: only their shapes count */
+	double angle;             /* rad, by which shape and lattice have been turned about the pivot; 0 */
+	double pivot[2];          /* m */
+	double lattice_origin[2]; /* m; NAN = the grid's origin: points sit at (i + 1/2) cell/side from here, before the turn */
 	int points_per_cell;      /* 1, 4, 9, 16 */
 	double temperature;       /* K */
 	double temperature_gradient[2]; /* K/m, added to the temperatures of the body and its layers; 0 */
 	double temperature_at[2];       /* m, where those hold */
 	double velocity[2];       /* m/s; without a motion */
+	bool drives;              /* a velocity is imposed on the nodes that its points touch */
+	double drive[2];          /* m/s, that; NAN = free */
+	double drive_ramp;        /* s, over which it rises from nothing; 0 */
 	struct scene_motion motion;
 	int variants;             /* packings with seeds seed .. seed+n-1 dealt out in turn; 1 */
 	int n_layers;
@@ -231,12 +253,13 @@ struct scene_boundary {
 	char name[SCENE_NAME];
 	double min[2], max[2]; /* m, a box; nodes within 1e-9 cell of it count */
 	double velocity[2];    /* m/s, each NAN = free */
+	double traction[2];    /* Pa, on the points that begin in the box, dead load; each NAN = none */
 	double temperature;    /* K; NAN = free, or by the table */
 	struct scene_series temperature_table; /* K */
 	double flux;           /* W/m2 into the material; NAN = none, or by the table */
 	struct scene_series flux_table; /* W/m2 */
 	struct scene_convection convection;
-	double layer;          /* m, thickness over which heat enters (virtual layer, eq. 10); default one cell */
+	double layer;          /* m, thickness over which heat or traction enters (virtual layer, eq. 10); default one cell */
 	double from, until;    /* s */
 	struct scene_place place;
 };
@@ -244,8 +267,9 @@ struct scene_boundary {
 /* ---- contacts between bodies (DP-MPM): without one they are welded where they meet ---- */
 
 struct scene_contact {
-	int n_bodies;                /* 2, or 0: all pairs of bodies that no other contact names */
+	int n_bodies;                /* 2; 1: the faces of its own cracks; 0: all pairs that no other contact names */
 	int bodies[2];
+	bool cracks;                 /* also the faces of cracks in each of the bodies; false */
 	double friction;             /* 0 */
 	double softening[2];         /* K: at which friction holds, and at which none is left; NAN = it does not fall */
 	double heat_share;           /* share of the friction work that heats the bodies, half each; 1 */
@@ -285,6 +309,15 @@ struct scene_region {
 	struct scene_place place;
 };
 
+/* A crack to be followed: from where it begins. */
+struct scene_crack {
+	char name[SCENE_NAME];
+	double at[2]; /* m, in the initial body */
+	double axis;  /* deg, direction from which its angle counts */
+	double reach; /* m, how far from there its first broken point may lie; default three cells */
+	struct scene_place place;
+};
+
 /* An RVE to be watched: written to files, its path recorded, drawn. */
 struct scene_inspect {
 	char name[SCENE_NAME];
@@ -310,6 +343,7 @@ struct scene_image {
 	char field[SCENE_NAME]; /* a name of the field table; RVE: "displacement", "rotation", "coordination", "radius" */
 	int component;          /* -1 = magnitude (or the scalar itself), else 0.. */
 	char rve[SCENE_NAME];   /* name in `inspect` */
+	bool before;            /* RVE: a second picture on the left, at birth */
 	double view[4];         /* m: xmin ymin xmax ymax; NAN = the grid */
 	int size[2];            /* pixels */
 	char map[SCENE_NAME];   /* "viridis", "inferno", "coolwarm" (diverging) */
@@ -363,9 +397,10 @@ struct scene {
 	struct scene_stage *stages;
 	int n_contacts;
 	struct scene_contact *contacts;
-	int n_probes, n_regions, n_inspect, n_images;
+	int n_probes, n_regions, n_cracks, n_inspect, n_images;
 	struct scene_probe *probes;
 	struct scene_region *regions;
+	struct scene_crack *cracks;
 	struct scene_inspect *inspect;
 	struct scene_image *images;
 	struct scene_output output;
@@ -392,12 +427,15 @@ double scene_body_spacing(const struct scene *scene, const struct scene_body *bo
 /* Where that lattice begins, m: its points lie at origin + (i + 1/2, j + 1/2) spacing. */
 void scene_body_lattice(const struct scene *scene, const struct scene_body *body, double origin[2]);
 
+/* Turns a place with the body (direction 1), or back (-1). */
+void scene_body_turn(const struct scene_body *body, double direction, double x[2]);
+
 /* Is x inside of the body and further than `tolerance` (m) from its outline, or, if that is negative, at most so far
  * outside? */
 bool scene_body_contains(const struct scene_body *body, const double x[2], double tolerance);
 
-/* The points of a body: places origin + (i + 1/2, j + 1/2) spacing that lie strictly inside its outline
- * (a point on an edge, within 1e-6 of the spacing, does not count), row by row from the bottom, each row
+/* The points of a body: places origin + (i + 1/2, j + 1/2) spacing, turned with it, that lie strictly inside its outline
+ * and outside of its cuts (a point on an edge, within 1e-6 of the spacing, does not count), row by row from the bottom, each row
  * from the left: the order of birth, which numbers the points' ids body after body.  The caller frees *x
  * (n entries, m; NULL if none).  STATUS_INPUT for an absurd count, STATUS_RESOURCE for lack of memory. */
 int scene_body_points(const struct scene *scene, const struct scene_body *body, double (**x)[2], int *n);
@@ -414,6 +452,7 @@ double scene_value_at(double constant, const struct scene_series *series, double
 bool scene_wall_heats(const struct scene_wall *wall);                     /* imposes a temperature on nodes */
 bool scene_boundary_heats_nodes(const struct scene_boundary *boundary);   /* the same */
 bool scene_boundary_heats_points(const struct scene_boundary *boundary);  /* by a flux or convection */
+bool scene_boundary_loads_points(const struct scene_boundary *boundary);  /* by a traction */
 
 /* K -> the scene's unit, and back. */
 double scene_temperature_out(const struct scene *scene, double kelvin);

@@ -121,6 +121,7 @@ static inline struct scene_boundary *elastic_scene_boundary(struct elastic_scene
 	*b = (struct scene_boundary){.min = {x0, y0},
 								 .max = {x1, y1},
 								 .velocity = {NAN, NAN},
+								 .traction = {NAN, NAN},
 								 .temperature = NAN,
 								 .flux = NAN,
 								 .convection = {.coefficient = NAN, .ambient = NAN},

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 TMDEMPM = os.environ["TMDEMPM"]
 SOURCE_DIR = os.environ["SOURCE_DIR"]
@@ -113,3 +114,28 @@ def column(folder, name):
 
 def files_below(folder):
     return sorted(os.path.relpath(os.path.join(at, name), folder) for at, _, names in os.walk(folder) for name in names)
+
+
+def processes(mark):
+    """Numbers and names of the processes that run with this text in their environment: what a test has started, and
+    what that has started."""
+    found = {}
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open("/proc/%s/environ" % pid, "rb") as stream:
+                ours = mark.encode() in stream.read()
+            with open("/proc/%s/stat" % pid, encoding="utf-8", errors="replace") as stream:
+                head, tail = stream.read().rsplit(")", 1)
+        except OSError:
+            continue
+        if ours and tail.split()[0] not in "ZX":
+            found[int(pid)] = head.split("(", 1)[1]
+    return found
+
+
+def all_gone(mark, what, seconds=10):
+    """None of them is left soon."""
+    end = time.monotonic() + seconds
+    while processes(mark) and time.monotonic() < end:
+        time.sleep(0.05)
+    expect(not processes(mark), "%s: still there: %s" % (what, processes(mark)))

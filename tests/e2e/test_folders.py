@@ -91,7 +91,7 @@ def other_commands(f, cfg):
     for word in ("thermoelastic", "rve", "ugimp", "linear", "images", "cpu", "temperature", "energy_residual"):
         expect(word in said, "`%s` is not in:\n%s" % (word, said))
     info = json.loads(tmdempm("info", "--json").stdout)
-    expect({law["name"] for law in info["laws"]} == {"thermoelastic", "rve"}, str(info["laws"]))
+    expect({law["name"] for law in info["laws"]} == {"thermoelastic", "rve", "neohookean_rankine"}, str(info["laws"]))
     for missing in [part for part in info["devices"] + info["sinks"] if not part["available"]]:
         expect(len(missing["install"]) > 10, "nothing says how to get %s" % missing["name"])
     with open("/dev/full", "w", encoding="utf-8") as full:

@@ -31,15 +31,15 @@ def curve(path):
         return list(csv.reader(stream))
 
 
-def driven_on(f, name, source, time, *options):
+def driven_on(f, name, source, time, *options, out=None, at_end=None):
     """A state from the middle, driven along the rest of its path, is that of the end, bit for bit; so is the curve."""
-    out = f("out")
+    out = out or f("out")
     middle, end, again, rest = f("middle.h5"), f("end.h5"), f("again.h5"), f("rest.csv")
     said = shown(source, "--name", name, *time, "--out", middle, verb="extract")
     command = shlex.split(said["drive it on"])
     expect(command[:3] == ["tmdempm", "rve", "load"] and "--skip" in command, said["drive it on"])
     tmdempm(*command[1:-1], rest, "--save", again)
-    tmdempm("rve", "extract", out, "--name", name, "--out", end)
+    tmdempm("rve", "extract", out, *(at_end or ["--name", name]), "--out", end)
     expect(info(middle)["bits"] != info(end)["bits"], "nothing has happened since the middle")
     expect(info(again)["bits"] == info(end)["bits"], "%s from %s: the state at the end is another" % (name, source))
     whole = f("whole.csv")
@@ -88,6 +88,16 @@ def unit(folder, field):
     return [name for name in history(folder)[0] if name.startswith("P0.%s" % field)][0][len("P0." + field):]
 
 
+def steered(f, cfg):
+    """An RVE that steering begins to inspect in the middle has a path from there on; it is found, and driven on, too."""
+    log = f.write("steer.csv", "time [s],step,source,command\n0.05,500,test,inspect.C=point:9\n")
+    out = f("steered")
+    tmdempm("run", cfg, "--out", out, "--steering", log)
+    driven_on(f, "C", out, ["--time", 0.08], out=out, at_end=["--point", 9])
+    said = shown(os.path.join(out, "snap", "00000800.h5"), "--point", 9, "--out", f("C.h5"), verb="extract")
+    expect("C_00000500_path.csv --skip 300 " in said["drive it on"], said["drive it on"])
+
+
 def missing(f, cfg):
     """Not in the snapshot: the message names the command, and the command makes it."""
     said = tmdempm("rve", "show", f("out"), "--point", 7, "--time", 0.04, code=2).stderr
@@ -98,6 +108,13 @@ def missing(f, cfg):
     there = shown(command[-1], "--point", 7)
     same = shown(f("all"), "--point", 7, "--time", 0.04)
     expect({k: v for k, v in there.items() if k != "from"} == {k: v for k, v in same.items() if k != "from"}, str(there))
+
+
+def guarded(f, cfg):
+    """The state in which a guard stopped a run is there to be looked at."""
+    tmdempm("run", cfg, "--out", f("guarded"), "--set", "materials.[0].law.overlap_max=0.006", "--set", "gravity=[0.0,-98.0]", code=3)
+    said = shown(f("guarded", "guard.h5"), "--rule", "highest_pressure")
+    expect("step 1," in said["from"] and "(" in said["point"], str(said))
 
 
 def refused(f, cfg):
@@ -134,7 +151,7 @@ def refused(f, cfg):
 
 with Folder() as f:
     probes = "probes = ( %s );" % ", ".join('{ name = "P%d"; id = %d; }' % (k, k) for k in range(16))
-    cfg = f.write("s.cfg", BONDED.replace('probes = ( { name = "A"; id = 5; } );', 'probes = ( { name = "A"; id = 5; } );'))
+    cfg = f.write("s.cfg", BONDED)
     tmdempm("run", cfg, "--out", f("out"), "--until", 0.06)
     driven = f("half.h5")
     os.link(f("out", "checkpoint.h5"), driven)  # the middle of what follows
@@ -146,7 +163,9 @@ with Folder() as f:
     os.rename(driven, f("out", "half.h5"))
     driven_on(f, "A", f("out", "half.h5"), [])
     rules(f)
+    steered(f, cfg)
     missing(f, cfg)
+    guarded(f, cfg)
     refused(f, cfg)
     # an RVE in the middle of its life is loaded as a packing is: with its history, and its law's friction
     tmdempm("rve", "load", "--packing", f("middle.h5"), "--load", "shear", "--rate", 1, "--strain", 1e-3, "--out", f("shear.csv"))

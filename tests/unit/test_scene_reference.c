@@ -141,7 +141,7 @@ static void it_loads(void **state)
 	(void)state;
 	struct scene *scene;
 	assert_int_equal(scene_load(&scene, REFERENCE, 0, NULL, stderr), 0);
-	assert_int_equal(scene->n_laws, 3);
+	assert_int_equal(scene->n_laws, 4);
 	assert_int_equal(scene->n_walls, 4);
 	scene_free(scene);
 }

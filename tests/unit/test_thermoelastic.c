@@ -8,71 +8,21 @@
 
 #include <cmocka.h>
 
+#include "../common/law_point.h"
 #include "../common/near.h"
-#include "base/error.h"
-#include "base/mat2.h"
-#include "law/law.h"
 
 static const double E = 2e7, NU = 0.3, ALPHA = 1e-4;
 
-/* One point of the law, driven by hand. */
-struct point {
-	struct law *law;
-	double F[1][4], L[1][4], T[1], dT[1], stress[1][4], heat[1], conductivity[1][3], modulus[1];
-	int slot[1];
-};
-
-static struct law_batch batch_of(struct point *p, double dt)
-{
-	return (struct law_batch){.n = 1,
-							  .slot = p->slot,
-							  .F = (const double(*)[4])p->F,
-							  .L = (const double(*)[4])p->L,
-							  .T = p->T,
-							  .dT = p->dT,
-							  .dt = dt,
-							  .stress = p->stress,
-							  .heat = p->heat,
-							  .conductivity = p->conductivity,
-							  .modulus = p->modulus,
-							  .failed = -1};
-}
-
 static void point_create_kind(struct point *p, bool plane_stress, bool neo_hookean, double nu)
 {
-	memset(p, 0, sizeof *p);
 	struct scene_law scene = {.name = "elastic", .type = SCENE_LAW_THERMOELASTIC};
 	scene.thermoelastic = (struct scene_law_thermoelastic){E, nu, ALPHA, plane_stress, neo_hookean};
-	int variant = 0;
-	assert_int_equal(law_create(&p->law, &scene, 1, &variant), STATUS_OK);
-	mat2_identity(p->F[0]);
+	point_begin(p, &scene);
 }
 
 static void point_create(struct point *p, bool plane_stress, double nu)
 {
 	point_create_kind(p, plane_stress, false, nu);
-}
-
-/* F <- exp(L dt) F, then the law. */
-static int point_advance(struct point *p, const double L[4], double dT, double dt)
-{
-	double A[4], e[4];
-	memcpy(p->L[0], L, sizeof p->L[0]);
-	for (int c = 0; c < 4; c++)
-		A[c] = L[c] * dt;
-	mat2_exp(A, e);
-	mat2_multiply(e, p->F[0], p->F[0]);
-	p->dT[0] = dT;
-	p->T[0] += dT;
-	struct law_batch batch = batch_of(p, dt);
-	return p->law->type->advance(p->law, &batch);
-}
-
-static struct law_ledger ledger_of(const struct point *p)
-{
-	struct law_ledger ledger;
-	p->law->type->ledger(p->law, 0, &ledger);
-	return ledger;
 }
 
 /* Hooke's law in plane strain and plane stress, to the order of the strain. */
