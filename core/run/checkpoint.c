@@ -6,7 +6,7 @@
 #include "run/run_private.h"
 #include "scene/compare.h"
 
-enum { CHECKPOINT_VERSION = 2 };
+enum { CHECKPOINT_VERSION = 3 };
 
 /* The bits of a state depend on the text that computed it: a state of one path goes on on that path. */
 static const char code_path[] = "cpu, serial kernel, double";
