@@ -66,7 +66,7 @@ with Folder() as f:
     replayed(f, cfg, "--set", "materials.[0].law.strain_per_step=2e-5", "--set", "materials.[0].law.mu=0.3")
     # discs that wait do so alone as in the run
     quiet = "materials.[0].law.economy.quiet."
-    replayed(f, cfg, "--set", quiet + "change=0.1", "--set", quiet + "unbalanced=0.1")
+    replayed(f, cfg, "--set", quiet + "change=0.3", "--set", quiet + "unbalanced=1.0")
     steps = [float(cell) for cell in cells(f("out", "history.csv"), "A.sub_steps")]
     expect(steps.count(0.0) > 50, "no disc has waited")
     # a body that is born warmer than its reference: the path begins with that
