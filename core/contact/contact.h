@@ -69,4 +69,16 @@ void contact_exchange_heat(struct mpm *mpm, double dt);
 /* Adds the sums of this step to the ledger. */
 void contact_add_to_ledger(struct mpm *mpm);
 
+/* ---- penalty walls (penalty.c) ---- */
+
+/* Sets work->penalty (NULL if the scene has no such wall). */
+int penalty_create(struct mpm *mpm);
+void penalty_free(struct mpm *mpm);
+
+/* The forces of this step, from where the points are. */
+void penalty_push(struct mpm *mpm);
+const double *penalty_force(const struct mpm *mpm, int point);  /* N */
+const double *penalty_on_wall(const struct mpm *mpm, int wall); /* N */
+double penalty_pressure(const struct mpm *mpm, int point);      /* Pa; 0 without such walls */
+
 #endif
