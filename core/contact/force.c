@@ -4,11 +4,11 @@
  * step, and where their gap is closed.  The impulse along n that stops them is m_a m_b/(m_a + m_b) (v_a - v_b).n
  * (eq. 75), that of friction at most mu times as much (eq. 76).
  *
- * n: the mass gradient of the heavier field, of the lighter, their difference, or the difference of their directions (eq.
- * 74), whichever parts the points of both by most.  A body's gradient says nothing of the contact where another of its
- * faces is as near: at the leading edge of a slider its own is turned forward, the base's is not; at the end of a face that
- * both share only a difference is right.  (One rule alone turns such edges into brakes: the heavier one wherever the face
- * lies between two rows of nodes.)
+ * n: the mass gradient of the heavier field, of the lighter, their difference, or the difference of their directions
+ * (eq. 74), whichever parts the points of both by most.  A body's gradient says nothing of the contact where another of
+ * its faces is as near: at the leading edge of a slider its own is turned forward, the base's is not; at the end of a
+ * face that both share only a difference is right.  (One rule alone turns such edges into brakes: the heavier one
+ * wherever the face lies between two rows of nodes.)
  *
  * Gap: nodes feel bodies a cell before they touch.  What counts is the distance along n between the foremost points of
  * both, less what their domains reach.

@@ -1,12 +1,13 @@
 /* Penalty walls, for static contact (DP-MPM eq. 87).
  *
- * A wall of this kind does not hold nodes, which feel a curved body a cell before it touches: it pushes points.  A point
- * near the outline of its body at birth stands for the piece of surface before it.  Its gap is its distance from the wall
- * less what it had from the outline; a closed gap of depth u makes the pressure kn u, with kn = stiffness M/cell (M: P-wave
- * modulus), on the face V/l of the point, l being its spacing.  The force goes to the nodes with the point's weights.
+ * A wall of this kind does not hold nodes, which feel a curved body a cell before it touches: it pushes points.  A
+ * point near the outline of its body at birth stands for the piece of surface before it.  Its gap is its distance from
+ * the wall less what it had from the outline; a closed gap of depth u makes the pressure kn u, with kn = stiffness
+ * M/cell (M: P-wave modulus), on the face V/l of the point, l being its spacing.  The force goes to the nodes with the
+ * point's weights.
  *
- * The gap is that in the middle of the step.  A point moves by the mean of its velocities before and after it (transfer.c):
- * a spring on the place before would gain energy in every step, on the middle it gains none.
+ * The gap is that in the middle of the step.  A point moves by the mean of its velocities before and after it
+ * (transfer.c): a spring on the place before would gain energy in every step, on the middle it gains none.
  *
  * The force has a potential, so that under damping the body comes to rest where it belongs: dynamic relaxation is
  * mpm.damping_particle.  Explicit steps feel the stiffness as an oscillator of a point's mass on kn: they stay below

@@ -329,7 +329,8 @@ static void test_flush_corners(void **state)
 		if (!(body_velocity(mpm, 1, 1) > 6.0))
 			fail_msg("corner at %g: 10 m/s come back as %g", at, body_velocity(mpm, 1, 1));
 		if (!(mpm->ledger.work_contact_friction < 0.01 * mpm->ledger.energy_kinetic))
-			fail_msg("corner at %g: friction of %g J", at, mpm->ledger.work_contact_friction / mpm->ledger.energy_kinetic);
+			fail_msg("corner at %g: friction of %g J", at,
+					 mpm->ledger.work_contact_friction / mpm->ledger.energy_kinetic);
 		mpm_free(mpm);
 	}
 }
@@ -374,7 +375,8 @@ static void test_pool(void **state)
 	assert_non_null(strstr(error_message(), "mpm.contact_fields"));
 }
 
-/* A sheet one cell thick between two blocks that meet: all three fields of a node at once, and nothing comes through. */
+/* A sheet one cell thick between two blocks that meet: all three fields of a node at once, and nothing comes through.
+ */
 static void test_thin_body(void **state)
 {
 	(void)state;
@@ -398,8 +400,8 @@ static void test_thin_body(void **state)
 	mpm_free(mpm);
 }
 
-/* Parallel slots of 1, 2 and 3 cells between bodies that go side by side: nobody feels the other, at any place in the grid,
- * though up to two cells both reach the same nodes. */
+/* Parallel slots of 1, 2 and 3 cells between bodies that go side by side: nobody feels the other, at any place in the
+ * grid, though up to two cells both reach the same nodes. */
 static void test_slots(void **state)
 {
 	(void)state;

@@ -1,8 +1,8 @@
 /* timeout: 600
  *
- * A cylinder on a rigid plane (scenarios/dp_mpm/hertz.cfg) against Hertz: root mean square error of the pressure that the
- * nodes of the face see, by the force that comes to each, within 0.13, 0.10 and 0.07 of its largest value on cells of 0.2, 0.1 and 0.05 mm, falling; the force
- * on the plane within 1% of the load. */
+ * A cylinder on a rigid plane (scenarios/dp_mpm/hertz.cfg) against Hertz: root mean square error of the pressure that
+ * the nodes of the face see, by the force that comes to each, within 0.13, 0.10 and 0.07 of its largest value on cells
+ * of 0.2, 0.1 and 0.05 mm, falling; the force on the plane within 1% of the load. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
