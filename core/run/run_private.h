@@ -41,7 +41,8 @@ int paths_close(struct paths *paths);
 int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory, bool whole);
 
 /* The name of the code whose bits a checkpoint continues. */
-const char *checkpoint_code_path(void);
+enum { CODE_PATH = 512 };
+void checkpoint_code_path(const struct mpm *mpm, char *path, size_t size);
 
 /* Reads the state into an MPM made from the same scene. STATUS_INPUT if the file is of another scene (the
  * message names the first setting that differs), another code path (unless allowed), or broken. */

@@ -1,10 +1,22 @@
-/* The periodic cell: inverse, widths, re-basing.  Included by kernel.h only. */
+/* The periodic cell: inverse, motion, widths, re-basing. */
+#ifndef TMDEMPM_RVE_KERNEL_CELL_H
+#define TMDEMPM_RVE_KERNEL_CELL_H
+
+#include "rve/dialect.h"
 
 THREADFN void cell_invert(const SHARED real *H, SHARED real *H_inv)
 {
 	real inverse_det = 1.0 / (H[0] * H[3] - H[1] * H[2]);
 	H_inv[0] = H[3] * inverse_det, H_inv[1] = -H[1] * inverse_det;
 	H_inv[2] = -H[2] * inverse_det, H_inv[3] = H[0] * inverse_det;
+}
+
+/* H <- A H */
+THREADFN void cell_step(const real *A, SHARED real *H)
+{
+	real xx = A[0] * H[0] + A[1] * H[2], xy = A[0] * H[1] + A[1] * H[3];
+	real yx = A[2] * H[0] + A[3] * H[2], yy = A[2] * H[1] + A[3] * H[3];
+	H[0] = xx, H[1] = xy, H[2] = yx, H[3] = yy;
 }
 
 THREADFN real cell_volume(const SHARED real *H, real thickness) { return (H[0] * H[3] - H[1] * H[2]) * thickness; }
@@ -47,3 +59,5 @@ THREADFN real cell_least_width(const SHARED real *H)
 	real aa = H[0] * H[0] + H[2] * H[2], bb = H[1] * H[1] + H[3] * H[3];
 	return (H[0] * H[3] - H[1] * H[2]) / real_sqrt(real_max(aa, bb));
 }
+
+#endif

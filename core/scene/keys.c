@@ -154,6 +154,8 @@ static const struct scene_key rve_keys[] = {
 	 .doc = "the cell's discs at the start"},
 	{.name = "bonds", .type = KEY_GROUP, AT(scene_law, rve.bonds), KEYS(bonds_keys),
 	 .doc = "between discs, once a stage has installed them; at contacts that carry force"},
+	{.name = "path", .type = KEY_ENUM, AT(scene_law, rve.path), .value = "\"auto\"", CHOICES("auto", "serial", "simd", "single"),
+	 .doc = "how RVEs are computed: plainly, the reference; in short vectors, twice as fast; the same in single precision; auto is serial"},
 	{.name = "economy", .type = KEY_GROUP, AT(scene_law, rve.economy), KEYS(economy_keys),
 	 .doc = "what need not be computed, and how wrong that may be"},
 	{.name = "kn", .type = KEY_FLOAT, AT(scene_law, rve.kn), .unit = "N/m", .value = "1e6", .range = RANGE_POSITIVE,

@@ -117,6 +117,7 @@ struct scene_bonds {
 	double reference; /* K; at and below it the strength of linear softening is whole; default 0 C */
 };
 
+enum scene_rve_path { SCENE_RVE_AUTO, SCENE_RVE_SERIAL, SCENE_RVE_SIMD, SCENE_RVE_SINGLE };
 /* What is not computed; see law/twins.h. */
 struct scene_economy {
 	bool twins; /* RVEs that are equal bit for bit are computed once; true */
@@ -125,6 +126,7 @@ struct scene_economy {
 struct scene_law_rve {
 	struct scene_packing packing;
 	struct scene_bonds bonds;
+	enum scene_rve_path path; /* auto */
 	struct scene_economy economy;
 	double kn, ks;          /* N/m; 1e6 each */
 	double mu;              /* 0.5 */
