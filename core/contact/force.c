@@ -206,6 +206,15 @@ struct acting {
 	double friction;
 };
 
+/* Do two units that are alone at a node move into each other, whatever the normal? */
+static bool approach(const struct parting *parting, const struct unit *a, const struct unit *b)
+{
+	bool any = false;
+	for (int k = 0; k < parting->n_normals; k++)
+		any = any || (a->v[0] - b->v[0]) * parting->normal[k][0] + (a->v[1] - b->v[1]) * parting->normal[k][1] > 0.0;
+	return any;
+}
+
 /* Pairs of a place that touch, in the order of the fields. */
 static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_place *place, int n, struct unit *units,
 					  struct acting *acting)
@@ -216,6 +225,8 @@ static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_p
 	for (int b = 1; b < n; b++)
 		for (int a = 0; a < b; a++)
 			partings[looked++] = begin_parting(units, a, b);
+	if (n == 2 && !approach(&partings[0], &units[0], &units[1]))
+		return 0;
 	if (looked > 0)
 		reach_of_points(mpm, c, place, n, units, looked, partings);
 	for (int k = 0; k < looked; k++) {
@@ -319,7 +330,7 @@ static void press_block(struct mpm *mpm, int block)
 	for (int i = first; i < last; i++) {
 		int q = w->order[i];
 		double pressure = penalty_pressure(mpm, q);
-		if (contact_is_near(mpm, q)) {
+		if (c->marked[w->cell[q]]) {
 			mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &q, &lists);
 			for (int a = 0; a < lists.nodes; a++)
 				if (c->first[lists.node[a]] >= 0)
@@ -329,6 +340,15 @@ static void press_block(struct mpm *mpm, int block)
 	}
 }
 
+static bool place_presses(const struct mpm *mpm, const struct contact_place *place)
+{
+	const struct contact *c = mpm_work(mpm)->contact;
+	bool any = false;
+	for (int k = place->first; k < place->first + place->n; k++)
+		any = any || c->fields[k].pressure > 0.0;
+	return any;
+}
+
 void contact_account(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
@@ -336,6 +356,7 @@ void contact_account(struct mpm *mpm)
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int k = 0; k < c->n_places; k++)
 		account_place(mpm, c, &c->places[k]);
+	contact_mark_cells(mpm, place_presses);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int block = 0; block < w->n_blocks; block++)
 		press_block(mpm, block);
