@@ -66,6 +66,10 @@ void contact_set_temperatures(struct mpm *mpm);
  * flows, W.  Conduction adds up to zero. */
 void contact_exchange_heat(struct mpm *mpm, double dt);
 
+/* At the end of a step, for those who look at the grid: a node's values become those of all its fields, sums of mass and
+ * force, means of velocity and temperature. */
+void contact_fold(struct mpm *mpm);
+
 /* Adds the sums of this step to the ledger. */
 void contact_add_to_ledger(struct mpm *mpm);
 

@@ -348,6 +348,34 @@ bool contact_mark_cells(const struct mpm *mpm, bool (*wanted)(const struct mpm *
 	return any;
 }
 
+static void fold_place(struct mpm *mpm, const struct contact *c, const struct contact_place *place)
+{
+	struct grid *grid = &mpm->grid;
+	double mass = 0.0, capacity = 0.0, heat = 0.0, v[2][2] = {{0.0}}, force[2] = {0.0};
+	for (int k = place->first; k < place->first + place->n; k++) {
+		int node = c->fields[k].node;
+		double m = grid->mass[node], C = mpm->thermal ? grid->heat_capacity[node] : 0.0;
+		mass += m, capacity += C, heat += C > 0.0 ? C * grid->T_new[node] : 0.0;
+		for (int d = 0; d < 2; d++)
+			v[0][d] += m * grid->v[node][d], v[1][d] += m * grid->v_new[node][d], force[d] += grid->force[node][d];
+	}
+	grid->mass[place->node] = mass;
+	for (int d = 0; d < 2 && mass > 0.0; d++) {
+		grid->v[place->node][d] = v[0][d] / mass, grid->v_new[place->node][d] = v[1][d] / mass;
+		grid->force[place->node][d] = force[d];
+	}
+	if (capacity > 0.0)
+		grid->heat_capacity[place->node] = capacity, grid->T_new[place->node] = heat / capacity;
+}
+
+void contact_fold(struct mpm *mpm)
+{
+	const struct contact *c = mpm_work(mpm)->contact;
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
+	for (int k = 0; k < c->n_places; k++)
+		fold_place(mpm, c, &c->places[k]);
+}
+
 bool contact_drive(struct mpm *mpm, int node, int body, const double v[2])
 {
 	struct mpm_work *w = mpm_work(mpm);

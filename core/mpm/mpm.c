@@ -123,6 +123,8 @@ int mpm_step(struct mpm *mpm)
 		limit_follow(mpm);
 
 	ledger_add_step(mpm);
+	if (w->contact)
+		contact_fold(mpm);
 	walls_move(mpm);
 	mpm->step++;
 	mpm->time = (double)mpm->step * mpm->dt;
