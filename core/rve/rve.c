@@ -255,11 +255,26 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	return STATUS_OK;
 }
 
+/* Single precision errs by about 1 Pa from 10 to 100 kPa, by up to 60 Pa at 1 kPa: scenarios/studies/rve_precision.cfg.
+ */
+static const double single_pressure = 10e3; /* Pa */
+
+static int check_precision(const struct rve_params *params, const struct rve_packing *packing)
+{
+	if (params->path != RVE_SIMD_SINGLE || !(packing->pressure < single_pressure))
+		return STATUS_OK;
+	return error_set(STATUS_INPUT,
+					 "path = \"single\" errs by too much in a packing at %g Pa, expected %g Pa at least; cure: "
+					 "path = \"simd\"",
+					 packing->pressure, single_pressure);
+}
+
 static int model_fill(struct rve_model *model, const struct rve_params *params, int n,
 					  const struct rve_packing *const *packings)
 {
 	double r_min = INFINITY, r_max = 0.0, r_sum = 0.0;
 	for (int v = 0; v < n; v++) {
+		CHECK(check_precision(params, packings[v]));
 		if (packings[v]->n_discs != packings[0]->n_discs)
 			return error_set(STATUS_INPUT, "packings of %d and %d discs in one law: variants need equal numbers",
 							 packings[0]->n_discs, packings[v]->n_discs);
@@ -394,7 +409,8 @@ enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state,
 	const struct rve_call call = call_of(motion, sub_steps, rebuild);
 	int status = KERNEL_OK;
 	if (model->packed)
-		model->packed(&model->layout, &model->constants, &call, variant->packed_table, state, scratch, &status);
+		model->packed(&model->layout, &model->constants, &call, variant->packed_table, state, motion->ahead, scratch,
+					  &status);
 	else
 		model->kernel(&model->serial, &model->constants, &call, variant->table, state, scratch, &status);
 	return (enum rve_kernel_status)status;
@@ -704,11 +720,20 @@ static int report_failure(const struct rve_params *params, int k, struct rve_out
 	}
 }
 
-static struct rve_motion batch_motion(const struct rve_batch *batch, int k)
+static unsigned char *batch_state(const struct rve_model *model, const struct rve_batch *batch, int k)
+{
+	return batch->states + (size_t)(batch->slot ? batch->slot[k] : k) * (size_t)model->layout.bytes;
+}
+
+static struct rve_motion batch_motion(const struct rve_model *model, const struct rve_batch *batch, int k, int chunk)
 {
 	const double *L = batch->L[k];
-	return (struct rve_motion){
-		.L = {L[0], L[1], L[2], L[3]}, .dT = batch->dT[k], .T = batch->T ? batch->T[k] : 0.0, .duration = batch->dt};
+	const int more = k + 1 < batch->n && (k + 1) % chunk != 0;
+	return (struct rve_motion){.L = {L[0], L[1], L[2], L[3]},
+							   .dT = batch->dT[k],
+							   .T = batch->T ? batch->T[k] : 0.0,
+							   .duration = batch->dt,
+							   .ahead = more ? batch_state(model, batch, k + 1) : NULL};
 }
 
 int rve_advance(const struct rve_model *model, struct rve_batch *batch)
@@ -717,13 +742,15 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 	int threads = omp_get_max_threads() < model->n_threads ? omp_get_max_threads() : model->n_threads;
 	threads = threads < batch->n ? threads : batch->n > 0 ? batch->n : 1; /* no team for a single RVE */
 	batch->failed = -1;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+	/* a few at a time, so that a thread knows what comes next; as many chunks as keep the threads even */
+	const int chunk = batch->n / (16 * threads) > 8 ? 8 : batch->n / (16 * threads) + 1;
+#pragma omp parallel for schedule(dynamic, chunk) num_threads(threads)
 	for (int k = 0; k < batch->n; k++) {
-		unsigned char *state = batch->states + (size_t)(batch->slot ? batch->slot[k] : k) * (size_t)model->layout.bytes;
+		unsigned char *state = batch_state(model, batch, k);
 		const struct rve_head *head = head_of(state);
 		double friction = head->ledger[LEDGER_FRICTION];
 		struct rve_outcome outcome =
-			advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch_motion(batch, k));
+			advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch_motion(model, batch, k, chunk));
 		double volume = mat2_determinant(head->H) * model->params.thickness;
 		batch->heat[k] = batch->dt > 0.0 ? (head->ledger[LEDGER_FRICTION] - friction) / (volume * batch->dt) : 0.0;
 		memcpy(batch->stress[k], head->stress, sizeof head->stress);
@@ -750,6 +777,16 @@ void rve_evaluate(const struct rve_model *model, const void *state, double stres
 	memcpy(stress, head->stress, sizeof head->stress);
 	memcpy(conductivity, head->conductivity, sizeof head->conductivity);
 	*modulus = head->modulus;
+}
+
+double rve_peak(int rounds, double *sum)
+{
+#ifdef RVE_KERNEL_X86
+	const char *isa = rve_isa();
+	if (strcmp(isa, "base") != 0)
+		return strcmp(isa, "v4") == 0 ? rve_peak64_v4(rounds, sum) : rve_peak64_v3(rounds, sum);
+#endif
+	return rve_peak64_base(rounds, sum);
 }
 
 /* ---- what a state says of itself ---- */

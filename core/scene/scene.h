@@ -190,11 +190,22 @@ struct scene_motion {
 	bool force;                              /* default true; false: born with the motion, then free */
 };
 
+/* A region drawn in an image: pixel (i, j) of row j from the bottom covers origin + (i .. i + 1, j .. j + 1) pixel. */
+struct scene_mask {
+	char file[SCENE_PATH]; /* "" = none */
+	int nx, ny;
+	unsigned char *inside; /* [ny][nx]; NULL = no mask */
+	double pixel;          /* m */
+	double origin[2];      /* m, of the lower left corner */
+	int level[2];          /* grey values that belong to the region */
+};
+
 struct scene_body {
 	char name[SCENE_NAME];
 	int material;
 	int n_vertices;           /* a box is given as its 4 vertices, a circle as corners on it */
 	double (*vertices)[2];    /* m, counter-clockwise after loading */
+	struct scene_mask mask;
 	double centre[2];         /* m, of a disc or ring */
 	double radius, hole;      /* m; radius 0 = a polygon; hole 0 = a disc */
 	int n_cuts;
@@ -223,7 +234,8 @@ enum scene_wall_shape { SCENE_WALL_LINE, SCENE_WALL_POLYGON };
 enum scene_wall_contact {
 	SCENE_WALL_FRICTIONAL, /* unilateral with Coulomb friction */
 	SCENE_WALL_SLIP,       /* normal velocity tied both ways, tangent free */
-	SCENE_WALL_STICK       /* both components tied */
+	SCENE_WALL_STICK,      /* both components tied */
+	SCENE_WALL_PENALTY     /* pushes points that have come through it; a line, without friction */
 };
 
 struct scene_wall {
@@ -233,6 +245,7 @@ struct scene_wall {
 	double (*vertices)[2]; /* m; a line's solid lies on the right of first -> second; a polygon's inside (CCW) */
 	double depth;          /* m, of a line's solid behind it; default 2 cells */
 	enum scene_wall_contact contact;
+	double stiffness;   /* of a penalty wall: pressure per depth over P-wave modulus / cell; 20 */
 	double friction;    /* 0 */
 	double velocity[2]; /* m/s; the wall moves with it */
 	double temperature; /* K; NAN = insulating, or by the table */
@@ -455,6 +468,9 @@ bool scene_wall_heats(const struct scene_wall *wall);                     /* imp
 bool scene_boundary_heats_nodes(const struct scene_boundary *boundary);   /* the same */
 bool scene_boundary_heats_points(const struct scene_boundary *boundary);  /* by a flux or convection */
 bool scene_boundary_loads_points(const struct scene_boundary *boundary);  /* by a traction */
+
+/* Are there contact pressures at points: of contacts between bodies or of penalty walls? */
+bool scene_presses(const struct scene *scene);
 
 /* K -> the scene's unit, and back. */
 double scene_temperature_out(const struct scene *scene, double kelvin);
