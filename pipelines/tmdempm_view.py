@@ -84,10 +84,10 @@ def save_view(view, path):
     os.replace(os.path.join(folder, "." + name), path)
 
 
-def colour(view, display, data, field, preset=None, title=None, limits=None):
-    """Colours by a field, with a bar; limits = the field's own."""
-    ColorBy(display, (location_of(data, field), field))
-    table = GetColorTransferFunction(field)
+def colour(view, display, data, field, preset=None, title=None, limits=None, separate=False):
+    """Colours by a field, with a bar; limits = the field's own; separate = not those of other views.  Returns the colours."""
+    ColorBy(display, (location_of(data, field), field), separate)
+    table = GetColorTransferFunction(field, display, separate=separate)
     table.ApplyPreset(preset or MAPS.get(field, MAPS[""]), True)
     table.RescaleTransferFunction(*(limits or range_of(data, field)))
     table.NanColor, table.NanOpacity = [0.8, 0.8, 0.8], 1.0
@@ -99,6 +99,7 @@ def colour(view, display, data, field, preset=None, title=None, limits=None):
     bar.WindowLocation, bar.Position, bar.ScalarBarLength = "Any Location", [0.84, 0.2], 0.55
     bar.Visibility = 1
     display.SetScalarBarVisibility(view, True)
+    return table
 
 
 def heading(view, words, place="Upper Left Corner"):
@@ -168,15 +169,13 @@ class Network:
         strongest = max(abs(low), abs(high)) or 1.0
         self.width.Function = "%.9g*abs(normal_force)" % (0.5 * radius / strongest)
         self.tubes.UpdatePipeline()
-        ColorBy(self.display, ("POINTS", "normal_force"))
         # without tension: from weak to strong; with it: blue compression, red tension, nothing at white
         if low < -1e-9 * strongest:
             colour(self.view, self.display, data_of(self.tubes), "normal_force", "Cool to Warm (Extended)", "normal force",
-                   (-strongest, strongest))
-            GetColorTransferFunction("normal_force").InvertTransferFunction()
+                   (-strongest, strongest), separate=True).InvertTransferFunction()
         else:
             colour(self.view, self.display, data_of(self.tubes), "normal_force", "Black-Body Radiation", "normal force",
-                   (0.0, 1.4 * strongest))
+                   (0.0, 1.4 * strongest), separate=True)
 
 
 def note_of(data):

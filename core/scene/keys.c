@@ -121,9 +121,19 @@ static const struct scene_key bonds_keys[] = {
 	 .doc = "at and below this temperature the strength of linear softening is whole"},
 	END};
 
+static const struct scene_key quiet_keys[] = {
+	{.name = "change", .type = KEY_FLOAT, AT(scene_quiet, change), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "the discs of an RVE wait, and its stress follows its elastic tensor, until the stress has changed by this share of the pressure; bounds the error of the stress; 0 = they do not wait"},
+	{.name = "strain", .type = KEY_FLOAT, AT(scene_quiet, strain), .value = "1e-4", .range = RANGE_WITHIN, .min = 0.0, .max = 0.01,
+	 .doc = "and until the RVE has been strained by this"},
+	{.name = "unbalanced", .type = KEY_FLOAT, AT(scene_quiet, unbalanced), .value = "0.02", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "and only where the mean net force on a disc / mean contact force is below this"},
+	END};
+
 static const struct scene_key economy_keys[] = {
 	{.name = "twins", .type = KEY_BOOL, AT(scene_economy, twins), .value = "true",
 	 .doc = "RVEs that are equal bit for bit, and told the same, are computed once; changes no bit"},
+	{.name = "quiet", .type = KEY_GROUP, AT(scene_economy, quiet), KEYS(quiet_keys), .doc = "RVEs to which little happens"},
 	END};
 
 const char *const scene_law_type_names[] = {"thermoelastic", "rve", "neohookean_rankine", NULL};
@@ -342,8 +352,10 @@ static const struct scene_key wall_keys[] = {
 	 .doc = "solid right-angled triangle with its right angle at x, y and legs along x and y: [x, y, leg_x, leg_y]"},
 	{.name = "depth", .type = KEY_FLOAT, AT(scene_wall, depth), .unit = "m", .absent = "two cells", .range = RANGE_POSITIVE,
 	 .doc = "of the solid behind a line"},
-	{.name = "contact", .type = KEY_ENUM, AT(scene_wall, contact), .value = "\"frictional\"", CHOICES("frictional", "slip", "stick"),
-	 .doc = "pushes only, with Coulomb friction; or normal velocity tied both ways, no friction; or both tied"},
+	{.name = "contact", .type = KEY_ENUM, AT(scene_wall, contact), .value = "\"frictional\"", CHOICES("frictional", "slip", "stick", "penalty"),
+	 .doc = "pushes only, with Coulomb friction; or normal velocity tied both ways, no friction; or both tied; or pushes points where their surface has come through, for static contact"},
+	{.name = "stiffness", .type = KEY_FLOAT, AT(scene_wall, stiffness), .value = "20.0", .range = RANGE_POSITIVE,
+	 .doc = "of a penalty wall: pressure per depth, over P-wave modulus / cell; with 20 time.step stays below 0.3 cell / wave speed"},
 	{.name = "friction", .type = KEY_FLOAT, AT(scene_wall, friction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 100.0,
 	 .doc = "coefficient of friction"},
 	{.name = "velocity", .type = KEY_FLOATS, AT(scene_wall, velocity), .count = 2, .unit = "m/s", .value = "[0.0, 0.0]",
