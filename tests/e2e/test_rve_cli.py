@@ -2,6 +2,7 @@
 # `tmdempm rve pack|load|info` as a user has it.
 # timeout: 300
 import csv
+import e2e
 import math
 import os
 import re
@@ -311,7 +312,7 @@ class RveCommands(unittest.TestCase):
     def test_an_interrupt_leaves_the_old_curve(self):
         put("kept.csv", "old")
         before = work_folder()
-        run = start(
+        run = e2e.start(
             [PROGRAM, "rve", "load", "--packing", "P.h5", "--load", "isochoric", "--rate", "1", "--strain", "1000",
              "--out", "kept.csv"], cwd=path(""), stderr=subprocess.PIPE, text=True)
         while work_folder() == before and run.poll() is None:
