@@ -49,6 +49,38 @@ struct rve_motion {
 enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,
 									 const struct rve_motion *motion, int sub_steps, int rebuild);
 
+struct rve_outcome {
+	enum {
+		OUTCOME_OK,
+		OUTCOME_RATE,
+		OUTCOME_STRAIN,
+		OUTCOME_OVERLAP,
+		OUTCOME_NAN,
+		OUTCOME_CROWDED,
+		OUTCOME_JITTER
+	} kind;
+	double value;
+};
+
+
+/* One RVE of a batch on this thread, as rve_advance() does it. */
+struct rve_motion rve_batch_motion(const struct rve_batch *batch, int k);
+struct rve_outcome rve_advance_one(const struct rve_model *model, void *state, unsigned char *scratch,
+								   struct rve_motion motion);
+
+/* The batch's answers for RVE k; `friction`: its ledger's before the call. */
+void rve_answer(const struct rve_model *model, struct rve_batch *batch, int k, const struct rve_head *head,
+				double friction);
+
+/* Sets the message of a failure; number = what it calls the RVE. */
+int rve_report_failure(const struct rve_params *params, int number, struct rve_outcome outcome);
+
+/* For a kernel that runs elsewhere.  Plain: the call asks for nothing but the kernel (the RVE does not fly, is not frozen
+ * nor nearly too slender).  begin: what to call it with; end: what has become of it. */
+int rve_is_plain(const struct rve_model *model, const struct rve_head *head, const struct rve_motion *motion);
+struct rve_call rve_begin(const struct rve_model *model, struct rve_head *head, const struct rve_motion *motion);
+struct rve_outcome rve_end(const struct rve_model *model, struct rve_head *head, int status);
+
 /* Fills a contact between the discs of slot p and the row that owns it; 0 if they neither touch nor are bonded. */
 int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, int row, int p,
 					 struct rve_contact *contact);

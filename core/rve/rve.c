@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/mat2.h"
 #include "rve/model.h"
+#include "rve/pool.h"
 
 static const double pi = 3.14159265358979323846;
 static const struct rve_motion rest; /* for measuring */
@@ -298,8 +299,7 @@ int rve_init(const struct rve_model *model, int variant, void *state)
 
 /* ---- one RVE through one call ---- */
 
-enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,
-									 const struct rve_motion *motion, int sub_steps, int rebuild)
+static struct rve_call call_of(const struct rve_motion *motion, int sub_steps, int rebuild)
 {
 	struct rve_call call = {.sub_steps = sub_steps, .rebuild = rebuild, .temperature = motion->T - motion->dT};
 	const double *L = motion->L;
@@ -311,24 +311,18 @@ enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state,
 	call.D[0] = L[0] * h, call.D[1] = L[3] * h, call.D[2] = 0.5 * (L[1] + L[2]) * h;
 	call.B[0] -= call.D[0], call.B[1] -= call.D[2], call.B[2] -= call.D[2], call.B[3] -= call.D[1];
 	call.heating = sub_steps > 0 ? motion->dT / sub_steps : 0.0;
+	return call;
+}
+
+enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,
+									 const struct rve_motion *motion, int sub_steps, int rebuild)
+{
+	const struct rve_call call = call_of(motion, sub_steps, rebuild);
 	int status = KERNEL_OK;
 	model->kernel(&model->layout, &model->constants, &call, model->variants[head_of(state)->variant].table, state,
 				  scratch, &status);
 	return (enum rve_kernel_status)status;
 }
-
-struct rve_outcome {
-	enum {
-		OUTCOME_OK,
-		OUTCOME_RATE,
-		OUTCOME_STRAIN,
-		OUTCOME_OVERLAP,
-		OUTCOME_NAN,
-		OUTCOME_CROWDED,
-		OUTCOME_JITTER
-	} kind;
-	double value;
-};
 
 static double pressure_of(const struct rve_head *head) { return -0.5 * (head->stress[0] + head->stress[1]); }
 
@@ -524,15 +518,48 @@ static struct rve_outcome spoilt(struct rve_head *head)
 	return (struct rve_outcome){OUTCOME_CROWDED, head->max_overlap};
 }
 
-static struct rve_outcome advance_one(const struct rve_model *model, void *state, unsigned char *scratch,
+/* What becomes of an RVE that the kernel has advanced. */
+static struct rve_outcome settle(const struct rve_model *model, struct rve_head *head, int status)
+{
+	if (status != KERNEL_OK)
+		return spoilt(head);
+	double stretch = mat2_determinant(head->H) * model->params.thickness / model->variants[head->variant].volume;
+	if (model->params.gas && !(head->flags & RVE_FROZEN) && stressless(model, head) &&
+		stretch > model->params.gas_stretch)
+		gas_enter(head);
+	return check_state(model, head);
+}
+
+static const double strain_most = 1.0; /* in one call: far beyond what any time step should bring */
+
+static int motion_is_finite(const struct rve_motion *motion)
+{
+	const double *L = motion->L;
+	return isfinite(principal_rate(L) * motion->duration) && isfinite(L[1] - L[2]) && isfinite(motion->dT) &&
+		   isfinite(motion->T);
+}
+
+/* Radii that grow strain the contacts too. */
+static double motion_strain(const struct rve_model *model, const struct rve_motion *motion)
+{
+	return fmax(principal_rate(motion->L) * motion->duration, fabs(model->params.expansion * motion->dT));
+}
+
+static int plan_sub_steps(const struct rve_model *model, struct rve_head *head, const struct rve_motion *motion)
+{
+	int sub_steps = choose_sub_steps(&model->params, head, motion_strain(model, motion));
+	count_inertia(model, head, principal_rate(motion->L) * motion->duration / sub_steps);
+	return sub_steps;
+}
+
+struct rve_outcome rve_advance_one(const struct rve_model *model, void *state, unsigned char *scratch,
 									  struct rve_motion motion)
 {
 	struct rve_head *head = head_of(state);
 	const double *L = motion.L, dT = motion.dT, dt = motion.duration;
-	const double strain_most = 1.0; /* in one call: far beyond what any time step should bring */
 	double volumetric = (L[0] + L[3]) * dt, rate = principal_rate(L);
 	double increment[4] = {L[0] * dt, L[1] * dt, L[2] * dt, L[3] * dt}, move[4];
-	if (!isfinite(rate * dt) || !isfinite(L[1] - L[2]) || !isfinite(dT) || !isfinite(motion.T))
+	if (!motion_is_finite(&motion))
 		return (struct rve_outcome){OUTCOME_RATE, rate};
 	mat2_exp(increment, move);
 	mat2_multiply(move, head->F, head->F);
@@ -552,12 +579,10 @@ static struct rve_outcome advance_one(const struct rve_model *model, void *state
 		motion.duration = share * dt;
 		gas_leave(model, state, scratch);
 	}
-	/* radii that grow strain the contacts too */
-	double strain = fmax(rate * motion.duration, fabs(model->params.expansion * dT));
+	double strain = motion_strain(model, &motion);
 	if (strain > strain_most)
 		return (struct rve_outcome){OUTCOME_STRAIN, strain};
-	int sub_steps = choose_sub_steps(&model->params, head, strain);
-	count_inertia(model, head, rate * motion.duration / sub_steps);
+	int sub_steps = plan_sub_steps(model, head, &motion);
 	unsigned char *kept = scratch + model->layout.scratch;
 	int keep = nearly_slender(model, head, strain);
 	if (keep)
@@ -568,16 +593,32 @@ static struct rve_outcome advance_one(const struct rve_model *model, void *state
 		motion.duration = dt;
 		status = slender(model, state, scratch, &motion);
 	}
-	if (status != KERNEL_OK)
-		return spoilt(head);
-	double stretch = mat2_determinant(head->H) * model->params.thickness / model->variants[head->variant].volume;
-	if (model->params.gas && !(head->flags & RVE_FROZEN) && stressless(model, head) &&
-		stretch > model->params.gas_stretch)
-		gas_enter(head);
-	return check_state(model, head);
+	return settle(model, head, status);
 }
 
-static int report_failure(const struct rve_params *params, int k, struct rve_outcome outcome)
+/* ---- the same where the kernel runs elsewhere ---- */
+
+int rve_is_plain(const struct rve_model *model, const struct rve_head *head, const struct rve_motion *motion)
+{
+	double strain = motion_strain(model, motion);
+	return motion_is_finite(motion) && head->flags == 0 && strain <= strain_most && !nearly_slender(model, head, strain);
+}
+
+struct rve_call rve_begin(const struct rve_model *model, struct rve_head *head, const struct rve_motion *motion)
+{
+	const double *L = motion->L, dt = motion->duration;
+	double increment[4] = {L[0] * dt, L[1] * dt, L[2] * dt, L[3] * dt}, move[4];
+	mat2_exp(increment, move);
+	mat2_multiply(move, head->F, head->F);
+	return call_of(motion, plan_sub_steps(model, head, motion), 0);
+}
+
+struct rve_outcome rve_end(const struct rve_model *model, struct rve_head *head, int status)
+{
+	return settle(model, head, status);
+}
+
+int rve_report_failure(const struct rve_params *params, int k, struct rve_outcome outcome)
 {
 	switch (outcome.kind) {
 	case OUTCOME_OVERLAP:
@@ -618,15 +659,27 @@ static int report_failure(const struct rve_params *params, int k, struct rve_out
 	}
 }
 
-static struct rve_motion batch_motion(const struct rve_batch *batch, int k)
+struct rve_motion rve_batch_motion(const struct rve_batch *batch, int k)
 {
 	const double *L = batch->L[k];
 	return (struct rve_motion){
 		.L = {L[0], L[1], L[2], L[3]}, .dT = batch->dT[k], .T = batch->T ? batch->T[k] : 0.0, .duration = batch->dt};
 }
 
+void rve_answer(const struct rve_model *model, struct rve_batch *batch, int k, const struct rve_head *head,
+				double friction)
+{
+	double volume = mat2_determinant(head->H) * model->params.thickness;
+	batch->heat[k] = batch->dt > 0.0 ? (head->ledger[LEDGER_FRICTION] - friction) / (volume * batch->dt) : 0.0;
+	memcpy(batch->stress[k], head->stress, sizeof head->stress);
+	memcpy(batch->conductivity[k], head->conductivity, sizeof head->conductivity);
+	batch->modulus[k] = head->modulus;
+}
+
 int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 {
+	if (batch->pool)
+		return rve_pool_advance(batch->pool, batch);
 	struct rve_outcome worst = {OUTCOME_OK, 0.0};
 	int threads = omp_get_max_threads() < model->n_threads ? omp_get_max_threads() : model->n_threads;
 	threads = threads < batch->n ? threads : batch->n > 0 ? batch->n : 1; /* no team for a single RVE */
@@ -637,12 +690,8 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 		const struct rve_head *head = head_of(state);
 		double friction = head->ledger[LEDGER_FRICTION];
 		struct rve_outcome outcome =
-			advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch_motion(batch, k));
-		double volume = mat2_determinant(head->H) * model->params.thickness;
-		batch->heat[k] = batch->dt > 0.0 ? (head->ledger[LEDGER_FRICTION] - friction) / (volume * batch->dt) : 0.0;
-		memcpy(batch->stress[k], head->stress, sizeof head->stress);
-		memcpy(batch->conductivity[k], head->conductivity, sizeof head->conductivity);
-		batch->modulus[k] = head->modulus;
+			rve_advance_one(model, state, rve_scratch(model, omp_get_thread_num()), rve_batch_motion(batch, k));
+		rve_answer(model, batch, k, head, friction);
 		if (outcome.kind != OUTCOME_OK) {
 #pragma omp critical(rve_failure)
 			if (batch->failed < 0 || k < batch->failed) {
@@ -653,7 +702,7 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 	}
 	if (batch->failed < 0)
 		return STATUS_OK;
-	return report_failure(&model->params, batch->number ? batch->number[batch->failed] : batch->failed, worst);
+	return rve_report_failure(&model->params, batch->number ? batch->number[batch->failed] : batch->failed, worst);
 }
 
 void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3],

@@ -53,7 +53,7 @@ struct rve_head {
 	real conductivity[3], modulus, tensor[6];
 	real contacts, sliding, max_overlap, unbalanced, inertial_number;
 	real ledger[LEDGER_FIELDS];
-	long long total_sub_steps;
+	int64 total_sub_steps;
 	int levels, entry_levels;
 	index16 level_rows[RVE_LEVELS_MAX]; /* m_l */
 	index16 level_first[RVE_LEVELS_MAX + 1];
@@ -113,6 +113,8 @@ struct rve_call {
 
 enum rve_kernel_status { KERNEL_OK, KERNEL_SLENDER, KERNEL_CROWDED };
 
+#ifdef RVE_HOST
+
 /* Advances one RVE.  Unless the status is KERNEL_OK, the state is neither the old one nor a new one: a caller that goes
  * on from there has kept a copy.  `table` = TABLE_FIELDS disc arrays. */
 void rve_kernel_base(const struct rve_layout *layout, const struct rve_constants *constants,
@@ -125,5 +127,7 @@ void rve_kernel_v4(const struct rve_layout *layout, const struct rve_constants *
 
 /* Bytes of scratch memory that a block needs. */
 int rve_kernel_scratch_bytes(const struct rve_layout *layout);
+
+#endif
 
 #endif
