@@ -10,6 +10,7 @@
 #include "io/h5.h"
 #include "run/bench.h"
 #include "run/doctor.h"
+#include "run/fragments_cli.h"
 #include "run/live.h"
 #include "run/look_cli.h"
 #include "run/run.h"
@@ -31,9 +32,11 @@ static const char help[] =
 	"      --force moves it aside; --restart continues a checkpoint in its own folder, bit for bit;\n"
 	"      --live shows the run to a ParaView that listens (default 127.0.0.1:22222), which may come and go;\n"
 	"      --pipeline runs a script of ParaView Catalyst, whose files go to DIR/catalyst;\n"
-	"      --steering repeats what steered another run (its steering.csv); --paused waits for `steer` before the first step\n"
+	"      --steering repeats what steered another run (its steering.csv); --paused waits for `steer` before the first "
+	"step\n"
 	"  tmdempm steer DIR [COMMAND... | -]\n"
-	"      steers the run that works in DIR: pause, step, save, stop, inspect, pictures; alone it says how the run stands\n"
+	"      steers the run that works in DIR: pause, step, save, stop, inspect, pictures; alone it says how the run "
+	"stands\n"
 	"      (tmdempm steer --help)\n"
 	"  tmdempm check SCENE.cfg [--set path=value]... [--threads N]\n"
 	"      validates a scene and says what its run will be; writes nothing\n"
@@ -44,6 +47,8 @@ static const char help[] =
 	"      does not work; a part that does not answer within S seconds (30) counts as broken\n"
 	"  tmdempm rve pack|load|info|show|extract ...\n"
 	"      makes packings, loads one RVE alone; looks into the RVEs of a run, takes one out (tmdempm rve --help)\n"
+	"  tmdempm fragments RUN_FOLDER [--time T] [--out FOLDER]\n"
+	"      pieces and cracks of what has broken: tables, distribution, lines\n"
 	"  tmdempm exact [NAME [--set parameter=value]... --at x,y --times a,b,c|from:to:n]\n"
 	"      exact solutions: what there is, or values as CSV\n"
 	"  tmdempm study FILE.cfg... [--out DIR] [--jobs N] [--set path=value]... [--fresh] [--no-charts] [--list]\n"
@@ -349,9 +354,9 @@ int main(int argc, char **argv)
 	static const struct {
 		const char *name;
 		int (*command)(int argc, char **argv);
-	} commands[] = {{"run", command_run},     {"check", command_check}, {"info", command_info},
-					{"bench", command_bench}, {"study", command_study}, {"exact", cli_exact},
-					{"steer", cli_steer},     {"doctor", command_doctor}};
+	} commands[] = {{"run", command_run},         {"check", command_check}, {"info", command_info},
+					{"bench", command_bench},     {"study", command_study}, {"exact", cli_exact},
+					{"fragments", cli_fragments}, {"steer", cli_steer},     {"doctor", command_doctor}};
 	h5_start();
 	const char *name = argc > 1 ? argv[1] : "";
 	if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help"))
@@ -362,8 +367,13 @@ int main(int argc, char **argv)
 		return cli_look(argc - 2, argv + 2);
 	if (!strcmp(name, "rve"))
 		return cli_rve(argc - 1, argv + 1);
-	int status = *name ? usage("`%s` is no command: expected run, steer, check, info, doctor, rve, exact, study or bench", name)
-					   : usage("%s", "which command? expected run, steer, check, info, doctor, rve, exact, study or bench");
+	int status =
+		*name
+			? usage(
+				  "`%s` is no command: expected run, steer, check, info, doctor, rve, fragments, exact, study or bench",
+				  name)
+			: usage("%s",
+					"which command? expected run, steer, check, info, doctor, rve, fragments, exact, study or bench");
 	for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
 		if (!strcmp(name, commands[i].name))
 			status = commands[i].command(argc - 1, argv + 1);

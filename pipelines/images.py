@@ -66,7 +66,7 @@ class Rve:
         data = data_of(self.discs)
         if data is None:
             return
-        look_at(self.view, data.GetBounds())
+        look_at(self.view, bounds_of(self.discs, self.network.contacts))
         self.network.update(range_of(data, "radius")[1])
         self.text.Text = "RVE %s, t = %.4g s\n%s" % (self.name, info.time, note_of(data))
         save(self.view, "rve_" + self.name, info.timestep)

@@ -46,6 +46,12 @@ def range_of(data, field):
     return (low, high) if high > low else (low, low + max(1e-12, 1e-6 * abs(low)))
 
 
+def bounds_of(*sources):
+    """What holds all of these."""
+    boxes = [data.GetBounds() for data in map(data_of, sources) if data is not None]
+    return [(max if i % 2 else min)(box[i] for box in boxes) for i in range(6)] if boxes else [0, 1, 0, 1, 0, 0]
+
+
 def make_view(size=(1100, 850)):
     """A white sheet that looks straight at the plane."""
     view = CreateView("RenderView")
@@ -62,7 +68,7 @@ def look_at(view, bounds):
     """The whole of [xmin, xmax, ymin, ymax, ...], with room for the colour bar on the right and the heading above."""
     width, height = bounds[1] - bounds[0], bounds[3] - bounds[2]
     across, up = view.ViewSize[0], view.ViewSize[1]
-    scale = max(0.5 * height / 0.88, 0.5 * width / 0.80 * up / across)
+    scale = max(0.5 * height / 0.84, 0.5 * width / 0.80 * up / across)
     x, y = 0.5 * (bounds[0] + bounds[1]) + 0.1 * 2 * scale * across / up, 0.5 * (bounds[2] + bounds[3]) + 0.04 * 2 * scale
     view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [x, y, 10.0], [x, y, 0.0], [0.0, 1.0, 0.0]
     view.CameraParallelScale = scale
@@ -79,6 +85,7 @@ def colour(view, display, data, field, preset=None, title=None, limits=None):
     bar.Title, bar.ComponentTitle = (title or field.replace("_", " ")) + (" [%s]" % unit if unit else ""), ""
     bar.TitleColor, bar.LabelColor = BLACK, BLACK
     bar.TitleFontSize, bar.LabelFontSize = 15, 13
+    bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, "%.4g", "%.4g"
     bar.WindowLocation, bar.Position, bar.ScalarBarLength = "Any Location", [0.87, 0.2], 0.55
     bar.Visibility = 1
     display.SetScalarBarVisibility(view, True)

@@ -7,14 +7,16 @@
  * filled, so that every pass over points or rows of nodes works on fields without knowing of them.  Nothing of this
  * exists in a scene without contacts: no slot, no pass, no branch but one.
  *
- * Bodies of one label share a field: those that no contact of the scene names.  Fields of two labels without a contact
- * between them are bonded: they evolve with the acceleration of their sum.
+ * Bodies of one label share a field: those that no contact of the scene names.  At a node a body is welded to the first
+ * one there with which it has no contact: it joins its field.  The faces of a crack share one until it is through; a
+ * field for each side before that would hide the opening of the crack from the strain of the points beside it.
  *
- * In a step, after the nodes' free step and before the walls: units (fields, or fields bonded to each other) that move
- * into each other and touch exchange the impulse that stops them, and a Coulomb share of what stops their slip. */
+ * In a step, after the nodes' free step and before the walls: fields that move into each other and touch exchange the
+ * impulse that stops them, and a Coulomb share of what stops their slip. */
 #ifndef TMDEMPM_CONTACT_CONTACT_H
 #define TMDEMPM_CONTACT_CONTACT_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 struct mpm;
@@ -40,6 +42,10 @@ int contact_find_fields(struct mpm *mpm);
 /* The grid's node of a node or slot. */
 int contact_home(const struct mpm *mpm, int node);
 
+/* Gives a velocity to the field of a node to which a body belongs.  False if the node has one field
+ * only. */
+bool contact_drive(struct mpm *mpm, int node, int body, const double v[2]);
+
 /* Sends the lists of n points, just filled, to the slots of their fields. */
 void contact_redirect(const struct mpm *mpm, int n, const int *point, struct shape_lists *lists);
 
@@ -52,8 +58,8 @@ void contact_apply(struct mpm *mpm);
 /* When the new velocities are final: where the work of the contacts went, and the pressure at the points. */
 void contact_account(struct mpm *mpm);
 
-/* The temperatures of fields that conduct heat to another, before heat flows in this step: at the node, not at the centre
- * of the points that lie on one side of it. */
+/* The temperatures of fields that conduct heat to another, before heat flows in this step: at the node, not at the
+ * centre of the points that lie on one side of it. */
 void contact_set_temperatures(struct mpm *mpm);
 
 /* Heat that flows between and into the fields of a node in one pass of dt seconds of thermal time: adds to the nodes'

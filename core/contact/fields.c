@@ -18,6 +18,14 @@ int contact_slots(const struct mpm *mpm)
 
 int contact_slots_used(const struct mpm *mpm) { return mpm_work(mpm)->contact->n_slots; }
 
+static bool names(const struct scene_contact *s, int body)
+{
+	bool named = s->n_bodies == 0;
+	for (int k = 0; k < s->n_bodies; k++)
+		named = named || s->bodies[k] == body;
+	return named;
+}
+
 /* Bodies that a contact names get a label of their own; if one names none, all do.  The others share the last. */
 static void find_labels(const struct scene *scene, struct contact *c)
 {
@@ -26,8 +34,7 @@ static void find_labels(const struct scene *scene, struct contact *c)
 	for (int b = 0; b < scene->n_bodies; b++) {
 		bool named = false;
 		for (int k = 0; k < scene->n_contacts; k++)
-			named = named || scene->contacts[k].n_bodies == 0 || scene->contacts[k].bodies[0] == b ||
-					scene->contacts[k].bodies[1] == b;
+			named = named || names(&scene->contacts[k], b);
 		c->label[b] = named ? n++ : -1;
 		shared = shared || !named;
 	}
@@ -36,23 +43,35 @@ static void find_labels(const struct scene *scene, struct contact *c)
 	c->n_labels = n + shared;
 }
 
-/* A contact that names two bodies comes before one that names none, whatever their order in the scene. */
+/* Between two bodies, or (a = b) the faces of cracks in one. */
+static bool joins(const struct scene_contact *s, int a, int b)
+{
+	if (a == b)
+		return (s->n_bodies == 1 || s->cracks) && names(s, a);
+	return s->n_bodies != 1 && names(s, a) && names(s, b);
+}
+
+/* A contact that names its bodies comes before one that names none, whatever their order in the scene. */
 static void find_pairs(const struct scene *scene, struct contact *c)
 {
 	for (int k = 0; k < c->n_labels * c->n_labels; k++)
 		c->pair[k] = -1;
+	for (int k = 0; k < c->n_labels; k++)
+		c->own[k] = -1;
 	for (int pass = 0; pass < 2; pass++)
 		for (int k = 0; k < scene->n_contacts; k++) {
 			const struct scene_contact *s = &scene->contacts[k];
 			if ((s->n_bodies == 0) != (pass == 0))
 				continue;
 			for (int a = 0; a < scene->n_bodies; a++)
-				for (int b = 0; b < scene->n_bodies; b++)
-					if (c->label[a] != c->label[b] &&
-						(pass == 0 || (s->bodies[0] == a && s->bodies[1] == b) ||
-						 (s->bodies[0] == b && s->bodies[1] == a)))
-						c->pair[c->label[a] * c->n_labels + c->label[b]] = k;
+				for (int b = 0; b < scene->n_bodies; b++) {
+					int la = c->label[a], lb = c->label[b];
+					if (joins(s, a, b) && (a == b || la != lb))
+						*(a == b ? &c->own[la] : &c->pair[la * c->n_labels + lb]) = k;
+				}
 		}
+	for (int k = 0; k < c->n_labels; k++)
+		c->cracks = c->cracks || c->own[k] >= 0;
 }
 
 int contact_create(struct mpm *mpm)
@@ -69,6 +88,7 @@ int contact_create(struct mpm *mpm)
 	c->slots_most = (int)slots;
 	c->label = calloc(bodies, sizeof *c->label);
 	c->pair = calloc(bodies * bodies, sizeof *c->pair);
+	c->own = calloc(bodies, sizeof *c->own);
 	c->places = calloc(slots, sizeof *c->places);
 	c->fields = calloc(2 * slots, sizeof *c->fields);
 	c->pairs = calloc(slots * CONTACT_FIELDS_MOST / 2, sizeof *c->pairs);
@@ -77,13 +97,16 @@ int contact_create(struct mpm *mpm)
 	c->cell_label = calloc(cells, sizeof *c->cell_label);
 	c->near = calloc(cells, sizeof *c->near);
 	c->mixed = calloc(nodes, sizeof *c->mixed);
-	if (!c->label || !c->pair || !c->places || !c->fields || !c->pairs || !c->first || !c->home || !c->cell_label ||
-		!c->near || !c->mixed)
+	c->hot = calloc(cells, sizeof *c->hot);
+	c->sloped = calloc(cells, sizeof *c->sloped);
+	if (!c->label || !c->pair || !c->own || !c->hot || !c->sloped || !c->places || !c->fields || !c->pairs ||
+		!c->first || !c->home || !c->cell_label || !c->near || !c->mixed)
 		return error_set(STATUS_RESOURCE, "out of memory for %zu extra fields of %zu nodes", slots, nodes);
 	for (size_t k = 0; k < nodes; k++)
 		c->first[k] = -1;
 	find_labels(scene, c);
 	find_pairs(scene, c);
+	c->cracks = c->cracks && mpm->p.damage;
 	return STATUS_OK;
 }
 
@@ -102,6 +125,9 @@ void contact_free(struct mpm *mpm)
 	free(c->cell_label);
 	free(c->near);
 	free(c->mixed);
+	free(c->own);
+	free(c->hot);
+	free(c->sloped);
 	free(c);
 }
 
@@ -113,7 +139,8 @@ size_t contact_memory(const struct mpm *mpm)
 	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, slots = (size_t)c->slots_most;
 	return slots * (sizeof *c->places + 2 * sizeof *c->fields + CONTACT_FIELDS_MOST / 2 * sizeof *c->pairs +
 					sizeof *c->home) +
-		   nodes * (sizeof *c->first + sizeof *c->cell_label + sizeof *c->near + sizeof *c->mixed);
+		   nodes * (sizeof *c->first + sizeof *c->cell_label + sizeof *c->near + sizeof *c->mixed + sizeof *c->hot +
+					sizeof *c->sloped);
 }
 
 /* ---- where fields meet ---- */
@@ -131,11 +158,15 @@ static void label_cells_of_row(const struct mpm *mpm, struct contact *c, int j)
 	const struct mpm_work *w = mpm_work(mpm);
 	for (int cell = j * w->cells_x; cell < (j + 1) * w->cells_x; cell++) {
 		int label = CELL_EMPTY;
-		for (int k = w->cell_first[cell]; k < w->cell_first[cell + 1] && label != CELL_MIXED; k++) {
+		bool sloped = false;
+		for (int k = w->cell_first[cell]; k < w->cell_first[cell + 1]; k++) {
 			int of_point = c->label[mpm->p.body[w->order[k]]];
 			label = label == CELL_EMPTY || label == of_point ? of_point : CELL_MIXED;
+			const double *gradient = c->cracks ? mpm->p.damage_gradient[w->order[k]] : NULL;
+			sloped = sloped || (gradient && (gradient[0] != 0.0 || gradient[1] != 0.0));
 		}
 		c->cell_label[cell] = label;
+		c->sloped[cell] = sloped;
 	}
 }
 
@@ -149,7 +180,8 @@ void contact_cells_about(const struct mpm *mpm, int i, int j, int low[2], int hi
 	high[1] = j + reach > w->cells_y - 1 ? w->cells_y - 1 : j + reach;
 }
 
-static bool several_labels(const struct mpm *mpm, const struct contact *c, int i, int j)
+/* Does a node need more than one field? */
+static bool several_fields(const struct mpm *mpm, const struct contact *c, int i, int j)
 {
 	int low[2], high[2], found = CELL_EMPTY;
 	contact_cells_about(mpm, i, j, low, high);
@@ -162,7 +194,8 @@ static bool several_labels(const struct mpm *mpm, const struct contact *c, int i
 				return true;
 			found = label;
 		}
-	return false;
+	double direction[2];
+	return c->cracks && found >= 0 && contact_sides(mpm, c, i, j, found, direction);
 }
 
 /* Puts a label into a sorted list of n; returns how many there are then, more than `most` if it found no room. */
@@ -202,19 +235,47 @@ static int labels_about(const struct mpm *mpm, struct contact *c, int i, int j, 
 static int too_many(const struct mpm *mpm, int i, int j, const char *what, int most, const char *cure)
 {
 	const struct grid *grid = &mpm->grid;
-	return error_set(STATUS_GUARD,
-					 "step %lld, t = %.6g s: at the node (%.6g, %.6g) m %s than %d; cure: %s (state: start of the step)",
-					 mpm->step, mpm->time, grid->origin[0] + i * grid->spacing[0], grid->origin[1] + j * grid->spacing[1],
-					 what, most, cure);
+	return error_set(
+		STATUS_GUARD,
+		"step %lld, t = %.6g s: at the node (%.6g, %.6g) m %s than %d; cure: %s (state: start of the step)", mpm->step,
+		mpm->time, grid->origin[0] + i * grid->spacing[0], grid->origin[1] + j * grid->spacing[1], what, most, cure);
+}
+
+/* The fields of a node in the order of their labels, a body that is welded to an earlier one with it; returns how many,
+ * more than CONTACT_FIELDS_MOST if there is no room. */
+static int fields_about(const struct mpm *mpm, struct contact *c, int i, int j,
+						struct contact_field fields[CONTACT_FIELDS_MOST])
+{
+	int labels[CONTACT_FIELDS_MOST], n_labels = labels_about(mpm, c, i, j, labels), n = 0;
+	if (n_labels > CONTACT_FIELDS_MOST)
+		return n_labels;
+	for (int k = 0; k < n_labels; k++) {
+		bool joined = false;
+		for (int m = 0; m < n && !joined; m++)
+			joined = contact_joins(c, fields[m].label, labels[k]);
+		if (joined)
+			continue;
+		struct contact_field field = {.label = labels[k]};
+		field.sided = c->cracks && contact_sides(mpm, c, i, j, labels[k], field.direction);
+		if (n + field.sided + 1 > CONTACT_FIELDS_MOST)
+			return CONTACT_FIELDS_MOST + 1;
+		fields[n++] = field;
+		if (field.sided)
+			fields[n] = field, fields[n++].side = 1;
+	}
+	return n;
 }
 
 static int add_place(struct mpm *mpm, struct contact *c, int i, int j)
 {
 	const int nodes = mpm->grid.nx * mpm->grid.ny, node = j * mpm->grid.nx + i;
-	int labels[CONTACT_FIELDS_MOST], n = labels_about(mpm, c, i, j, labels);
+	struct contact_field fields[CONTACT_FIELDS_MOST];
+	int n = fields_about(mpm, c, i, j, fields);
 	if (n > CONTACT_FIELDS_MOST)
-		return too_many(mpm, i, j, "more bodies meet", CONTACT_FIELDS_MOST,
+		return too_many(mpm, i, j, "more bodies and sides of cracks meet", CONTACT_FIELDS_MOST,
 						"a smaller grid.cell, or fewer bodies with contacts of their own");
+	if (n < 2)
+		return STATUS_OK;
 	if (c->n_slots + n - 1 > c->slots_most)
 		return too_many(mpm, i, j, "the scene needs more extra fields", c->slots_most, "a larger mpm.contact_fields");
 	struct contact_place *place = &c->places[c->n_places++];
@@ -222,7 +283,8 @@ static int add_place(struct mpm *mpm, struct contact *c, int i, int j)
 	c->first[node] = c->n_fields;
 	for (int k = 0; k < n; k++) {
 		struct contact_field *field = &c->fields[c->n_fields++];
-		*field = (struct contact_field){.node = node, .label = labels[k], .unit = -1};
+		*field = fields[k];
+		field->node = node;
 		if (k > 0) {
 			c->home[c->n_slots] = node;
 			field->node = nodes + c->n_slots++;
@@ -259,24 +321,43 @@ static void copy_imposed(struct mpm *mpm, const struct contact *c)
 	}
 }
 
+bool contact_drive(struct mpm *mpm, int node, int body, const double v[2])
+{
+	struct mpm_work *w = mpm_work(mpm);
+	const struct contact *c = w->contact;
+	int label = c->label[body];
+	if (c->first[node] < 0)
+		return false;
+	struct contact_field *field = &c->fields[c->first[node]];
+	while (!contact_joins(c, field->label, label))
+		field++;
+	memcpy(w->fixed_v[field->node], v, sizeof w->fixed_v[field->node]);
+	if (field->sided)
+		memcpy(w->fixed_v[field[1].node], v, sizeof w->fixed_v[field[1].node]);
+	return true;
+}
+
 int contact_find_fields(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	struct contact *c = w->contact;
 	forget_places(mpm, c);
+	contact_find_gradients(mpm);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < w->cells_y; j++)
 		label_cells_of_row(mpm, c, j);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < mpm->grid.ny; j++)
 		for (int i = w->row_low[j]; i <= w->row_high[j]; i++)
-			c->mixed[j * mpm->grid.nx + i] = several_labels(mpm, c, i, j);
+			c->mixed[j * mpm->grid.nx + i] = several_fields(mpm, c, i, j);
 	for (int j = 0; j < mpm->grid.ny; j++)
 		for (int i = w->row_low[j]; i <= w->row_high[j]; i++)
 			if (c->mixed[j * mpm->grid.nx + i])
 				CHECK(add_place(mpm, c, i, j));
 	add_rows(mpm, c);
 	copy_imposed(mpm, c);
+	if (w->drives)
+		boundaries_drive(mpm);
 	walls_add_fields(mpm);
 	return STATUS_OK;
 }
@@ -293,9 +374,8 @@ void contact_redirect(const struct mpm *mpm, int n, const int *point, struct sha
 	for (int k = 0; k < n; k++) {
 		if (!contact_is_near(mpm, point[k]))
 			continue;
-		int label = c->label[mpm->p.body[point[k]]];
 		for (int a = k * lists->nodes; a < (k + 1) * lists->nodes; a++)
 			if (c->first[lists->node[a]] >= 0)
-				lists->node[a] = contact_field_of(c, lists->node[a], label)->node;
+				lists->node[a] = contact_field_of(mpm, c, lists->node[a], point[k])->node;
 	}
 }

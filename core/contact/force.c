@@ -1,13 +1,14 @@
-/* What acts between the fields of a node: bonds, contact forces with friction, and where their work goes.
+/* What acts between the fields of a node: contact forces with friction, and where their work goes.
  *
- * Units a and b with masses m_a, m_b touch where they move into each other, (v_a - v_b).n > 0 at the end of the free
+ * Fields a and b with masses m_a, m_b touch where they move into each other, (v_a - v_b).n > 0 at the end of the free
  * step, and where their gap is closed.  The impulse along n that stops them is m_a m_b/(m_a + m_b) (v_a - v_b).n
  * (eq. 75), that of friction at most mu times as much (eq. 76).
  *
- * n: the mass gradient of the heavier unit, of the lighter, or their difference, whichever parts the points of both by
+ * n: the mass gradient of the heavier field, of the lighter, or their difference, whichever parts the points of both by
  * most.  A body's gradient says nothing of the contact where another of its faces is as near: at the leading edge of a
- * slider its own is turned forward, the base's is not; at the end of a face that both share only the difference is right.
- * (One rule alone turns such edges into brakes: the heavier one wherever the face lies between two rows of nodes.)
+ * slider its own is turned forward, the base's is not; at the end of a face that both share only the difference is
+ * right. (One rule alone turns such edges into brakes: the heavier one wherever the face lies between two rows of
+ * nodes.)
  *
  * Gap: nodes feel bodies a cell before they touch.  What counts is the distance along n between the foremost points of
  * both, less what their domains reach.
@@ -48,7 +49,7 @@ static void gather_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 			int node = lists.node[a];
 			if (c->first[node] < 0 || lists.weight[a] == 0.0)
 				continue;
-			struct contact_field *field = contact_field_of(c, node, c->label[p->body[q]]);
+			struct contact_field *field = contact_field_of(mpm, c, node, q);
 			field->gradient[0] += lists.grad_x[a] * m;
 			field->gradient[1] += lists.grad_y[a] * m;
 			field->volume += lists.weight[a] * volume;
@@ -62,87 +63,38 @@ void contact_gather(struct mpm *mpm)
 		mpm_each_stripe(mpm, gather_stripe);
 }
 
-/* ---- units ---- */
+/* A field that has mass, while its place is worked on. */
+struct unit {
+	int field;
+	double mass, volume;
+	double v[2]; /* m/s */
+	double gradient[2];
+	double heat, capacity; /* J, J/K */
+};
 
-/* Fields that are bonded to each other form one unit, for which the first of them stands. */
-static void bond_fields(const struct mpm *mpm, struct contact *c, const struct contact_place *place)
+static int find_units(const struct mpm *mpm, const struct contact *c, const struct contact_place *place,
+					  struct unit units[CONTACT_FIELDS_MOST])
 {
-	for (int k = place->first; k < place->first + place->n; k++) {
-		struct contact_field *field = &c->fields[k];
-		field->unit = mpm_work(mpm)->sums[field->node].mass > 0.0 ? k : -1;
-		for (int other = place->first; other < k && field->unit >= 0; other++) {
-			const struct contact_field *before = &c->fields[other];
-			if (before->unit < 0 || c->pair[before->label * c->n_labels + field->label] >= 0)
-				continue;
-			for (int m = place->first, merged = field->unit; m <= k; m++)
-				if (c->fields[m].unit == merged)
-					c->fields[m].unit = before->unit;
-		}
-	}
-}
-
-/* The units of a place; returns their number. */
-static int sum_units(const struct mpm *mpm, const struct contact *c, const struct contact_place *place,
-					 struct contact_unit units[CONTACT_FIELDS_MOST])
-{
-	const struct mpm_work *w = mpm_work(mpm);
 	int n = 0;
 	for (int k = place->first; k < place->first + place->n; k++) {
 		const struct contact_field *field = &c->fields[k];
-		if (field->unit < 0)
+		const struct node_sum *sum = &mpm_work(mpm)->sums[field->node];
+		if (!(sum->mass > 0.0))
 			continue;
-		int u = 0;
-		while (u < n && units[u].field != field->unit)
-			u++;
-		if (u == n)
-			units[n++] = (struct contact_unit){.field = field->unit};
-		const struct node_sum *sum = &w->sums[field->node];
-		units[u].mass += sum->mass;
-		units[u].volume += field->volume;
-		units[u].heat += sum->heat, units[u].capacity += sum->capacity;
-		for (int d = 0; d < 2; d++) {
-			units[u].v[d] += sum->mass * mpm->grid.v_new[field->node][d];
-			units[u].gradient[d] += field->gradient[d];
-		}
+		units[n] = (struct unit){
+			.field = k, .mass = sum->mass, .volume = field->volume, .heat = sum->heat, .capacity = sum->capacity};
+		memcpy(units[n].gradient, field->gradient, sizeof units[n].gradient);
+		memcpy(units[n].v, mpm->grid.v_new[field->node], sizeof units[n].v);
+		n++;
 	}
-	for (int u = 0; u < n; u++)
-		units[u].v[0] /= units[u].mass, units[u].v[1] /= units[u].mass;
 	return n;
-}
-
-/* Bonded fields change by the acceleration of their sum.  (To draw their velocities together instead would act like
- * PIC on the flanks of every crack that is not yet one.) */
-static void apply_bonds(struct mpm *mpm, struct contact *c, const struct contact_place *place)
-{
-	const struct mpm_work *w = mpm_work(mpm);
-	struct grid *grid = &mpm->grid;
-	for (int u = place->first; u < place->first + place->n; u++) {
-		double mass = 0.0, change[2] = {0.0, 0.0};
-		int members = 0;
-		for (int k = place->first; k < place->first + place->n; k++) {
-			int node = c->fields[k].node;
-			if (c->fields[k].unit != u)
-				continue;
-			members++;
-			mass += w->sums[node].mass;
-			for (int d = 0; d < 2; d++)
-				change[d] += w->sums[node].mass * (grid->v_new[node][d] - grid->v[node][d]);
-		}
-		for (int k = place->first; k < place->first + place->n && members > 1; k++)
-			for (int d = 0; d < 2 && c->fields[k].unit == u; d++) {
-				int node = c->fields[k].node;
-				double bonded = grid->v[node][d] + change[d] / mass;
-				c->fields[k].bond[d] = w->sums[node].mass * (bonded - grid->v_new[node][d]);
-				grid->v_new[node][d] = bonded;
-			}
-	}
 }
 
 /* ---- normal and gap ---- */
 
 /* What parts two units: the candidates for n, and how far the points of a and b reach along them, m. */
 struct parting {
-	int a, b; /* units */
+	int a, b; /* indices of the units */
 	int n_normals;
 	double normal[3][2];
 	double top[3], bottom[3]; /* of a, of b; from the node */
@@ -159,7 +111,7 @@ static void add_normal(struct parting *parting, double x, double y)
 	parting->n_normals++;
 }
 
-static struct parting begin_parting(const struct contact_unit *units, int a, int b)
+static struct parting begin_parting(const struct unit *units, int a, int b)
 {
 	struct parting parting = {.a = a, .b = b};
 	const double *of_a = units[a].gradient, *of_b = units[b].gradient;
@@ -172,7 +124,7 @@ static struct parting begin_parting(const struct contact_unit *units, int a, int
 }
 
 /* m2, of the face between two units at a node: a body may have more of its surface there, not less. */
-static double face_area(const struct contact_unit *a, const struct contact_unit *b, const double n[2])
+static double face_area(const struct unit *a, const struct unit *b, const double n[2])
 {
 	double of_a = (a->gradient[0] * n[0] + a->gradient[1] * n[1]) * a->volume / a->mass;
 	double of_b = -(b->gradient[0] * n[0] + b->gradient[1] * n[1]) * b->volume / b->mass;
@@ -199,8 +151,8 @@ static void reach_of_point(const struct mpm *mpm, int q, int unit, const double 
 
 /* How far the points of a place reach along all its candidates.  Points count that the node can feel, and those beyond
  * them over which the foremost of the other body may stand. */
-static void reach_of_points(const struct mpm *mpm, const struct contact *c, const struct contact_place *place, int n_units,
-							const struct contact_unit *units, int n, struct parting *partings)
+static void reach_of_points(const struct mpm *mpm, const struct contact *c, const struct contact_place *place,
+							int n_units, const struct unit *units, int n, struct parting *partings)
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	const struct grid *grid = &mpm->grid;
@@ -214,7 +166,7 @@ static void reach_of_points(const struct mpm *mpm, const struct contact *c, cons
 			double support = mpm->shape->support(w->half[mpm->p.body[q]], mpm->p.F[q]) + BEYOND;
 			if (fabs(x[0]) >= support * grid->spacing[0] || fabs(x[1]) >= support * grid->spacing[1])
 				continue;
-			int field = contact_field_of(c, place->node, c->label[mpm->p.body[q]])->unit;
+			int field = (int)(contact_field_of(mpm, c, place->node, q) - c->fields);
 			while (unit < n_units && units[unit].field != field)
 				unit++;
 			if (unit < n_units)
@@ -236,7 +188,7 @@ static int choose_normal(const struct mpm *mpm, const struct parting *parting)
 /* ---- contact ---- */
 
 /* Friction falls with the temperature of the hotter side (DP-MPM eq. 15). */
-static double friction_of(const struct scene_contact *s, const struct contact_unit *a, const struct contact_unit *b)
+static double friction_of(const struct scene_contact *s, const struct unit *a, const struct unit *b)
 {
 	if (isnan(s->softening[0]) || !(a->capacity > 0.0) || !(b->capacity > 0.0))
 		return s->friction;
@@ -247,13 +199,13 @@ static double friction_of(const struct scene_contact *s, const struct contact_un
 
 struct acting {
 	struct contact_pair *pair;
-	struct contact_unit *a, *b;
+	struct unit *a, *b;
 	double friction;
 };
 
 /* Pairs of a place that touch, in the order of the fields. */
-static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_place *place, int n,
-					  struct contact_unit *units, struct acting *acting)
+static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_place *place, int n, struct unit *units,
+					  struct acting *acting)
 {
 	struct parting partings[PAIRS_MOST];
 	int looked = 0;
@@ -265,7 +217,7 @@ static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_p
 		reach_of_points(mpm, c, place, n, units, looked, partings);
 	for (int k = 0; k < looked; k++) {
 		const struct parting *parting = &partings[k];
-		struct contact_unit *a = &units[parting->a], *b = &units[parting->b];
+		struct unit *a = &units[parting->a], *b = &units[parting->b];
 		int best = choose_normal(mpm, parting);
 		if (best < 0)
 			continue;
@@ -274,9 +226,11 @@ static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_p
 		pair->capacity = fmin(a->capacity / a->volume, b->capacity / b->volume);
 		pair->face = 0.5 * (parting->top[best] + parting->bottom[best]);
 		memcpy(pair->normal, parting->normal[best], sizeof pair->normal);
-		pair->contact = c->pair[c->fields[a->field].label * c->n_labels + c->fields[b->field].label];
-		acting[place->n_pairs++] =
-			(struct acting){pair, a, b, friction_of(&mpm->scene->contacts[pair->contact], a, b)};
+		int la = c->fields[a->field].label, lb = c->fields[b->field].label;
+		pair->contact = la == lb ? c->own[la] : c->pair[la * c->n_labels + lb];
+		if (pair->contact < 0)
+			continue;
+		acting[place->n_pairs++] = (struct acting){pair, a, b, friction_of(&mpm->scene->contacts[pair->contact], a, b)};
 	}
 	return place->n_pairs;
 }
@@ -285,7 +239,7 @@ static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_p
 static void act(const struct acting *acting)
 {
 	struct contact_pair *pair = acting->pair;
-	struct contact_unit *a = acting->a, *b = acting->b;
+	struct unit *a = acting->a, *b = acting->b;
 	const double *n = pair->normal;
 	double reduced = a->mass * b->mass / (a->mass + b->mass);
 	double jump[2] = {a->v[0] - b->v[0], a->v[1] - b->v[1]};
@@ -301,30 +255,16 @@ static void act(const struct acting *acting)
 	pair->push = push, pair->drag = drag;
 }
 
-/* The change of a unit's velocity is that of each of its fields. */
-static void change_fields(struct mpm *mpm, const struct contact *c, const struct contact_place *place,
-						  const struct contact_unit *unit, const double before[2])
-{
-	for (int k = place->first; k < place->first + place->n; k++)
-		for (int d = 0; d < 2 && c->fields[k].unit == unit->field; d++)
-			mpm->grid.v_new[c->fields[k].node][d] += unit->v[d] - before[d];
-}
-
 static void apply_at(struct mpm *mpm, struct contact *c, struct contact_place *place)
 {
-	struct contact_unit units[CONTACT_FIELDS_MOST];
+	struct unit units[CONTACT_FIELDS_MOST];
 	struct acting acting[PAIRS_MOST];
-	double before[CONTACT_FIELDS_MOST][2];
-	bond_fields(mpm, c, place);
-	apply_bonds(mpm, c, place);
-	int n = sum_units(mpm, c, place, units), pairs = find_pairs(mpm, c, place, n, units, acting);
-	for (int u = 0; u < n; u++)
-		memcpy(before[u], units[u].v, sizeof before[u]);
+	int n = find_units(mpm, c, place, units), pairs = find_pairs(mpm, c, place, n, units, acting);
 	for (int sweep = 0; sweep < (pairs > 1 ? SWEEPS : 1); sweep++)
 		for (int k = 0; k < pairs; k++)
 			act(&acting[k]);
 	for (int u = 0; u < n && pairs > 0; u++)
-		change_fields(mpm, c, place, &units[u], before[u]);
+		memcpy(mpm->grid.v_new[c->fields[units[u].field].node], units[u].v, sizeof units[u].v);
 }
 
 void contact_apply(struct mpm *mpm)
@@ -337,61 +277,29 @@ void contact_apply(struct mpm *mpm)
 
 /* ---- where the work went ---- */
 
-/* Mean of the velocities of a unit before and after the step, m/s; and its mass, kg. */
-static double mean_velocity(const struct mpm *mpm, const struct contact *c, const struct contact_place *place, int unit,
-							double v[2])
-{
-	double mass = 0.0;
-	v[0] = v[1] = 0.0;
-	for (int k = place->first; k < place->first + place->n; k++) {
-		int node = c->fields[k].node;
-		double m = mpm->grid.mass[node];
-		if (c->fields[k].unit != unit)
-			continue;
-		mass += m;
-		for (int d = 0; d < 2; d++)
-			v[d] += 0.5 * m * (mpm->grid.v[node][d] + mpm->grid.v_new[node][d]);
-	}
-	v[0] /= mass, v[1] /= mass;
-	return mass;
-}
-
-/* Gives a unit its heat and its pressure, the former in proportion to the mass of its fields. */
-static void give_unit(const struct mpm *mpm, struct contact *c, const struct contact_place *place, int unit,
-					  double mass, double heat, double pressure)
-{
-	for (int k = place->first; k < place->first + place->n; k++) {
-		if (c->fields[k].unit != unit)
-			continue;
-		c->fields[k].heat += heat * mpm->grid.mass[c->fields[k].node] / mass;
-		c->fields[k].pressure += pressure;
-	}
-}
-
 static void account_pair(const struct mpm *mpm, struct contact *c, struct contact_place *place,
 						 const struct contact_pair *pair)
 {
-	double va[2], vb[2], ma = mean_velocity(mpm, c, place, pair->a, va), mb = mean_velocity(mpm, c, place, pair->b, vb);
-	const double *n = pair->normal, jump[2] = {va[0] - vb[0], va[1] - vb[1]};
+	const struct grid *grid = &mpm->grid;
+	struct contact_field *fields[2] = {&c->fields[pair->a], &c->fields[pair->b]};
+	int a = fields[0]->node, b = fields[1]->node;
+	const double *n = pair->normal,
+				 jump[2] = {0.5 * (grid->v[a][0] + grid->v_new[a][0] - grid->v[b][0] - grid->v_new[b][0]),
+							0.5 * (grid->v[a][1] + grid->v_new[a][1] - grid->v[b][1] - grid->v_new[b][1])};
 	double tangent_loss = pair->drag * (-jump[0] * n[1] + jump[1] * n[0]);
 	double friction = tangent_loss > 0.0 ? tangent_loss : 0.0;
 	double heat = mpm->thermal ? mpm->scene->contacts[pair->contact].heat_share * friction : 0.0;
 	place->friction += friction;
 	place->impact += pair->push * (jump[0] * n[0] + jump[1] * n[1]) + tangent_loss - friction;
 	place->heat += heat;
-	double pressure = pair->area > 0.0 ? pair->push / (mpm->dt * pair->area) : 0.0;
-	give_unit(mpm, c, place, pair->a, ma, 0.5 * heat, pressure);
-	give_unit(mpm, c, place, pair->b, mb, 0.5 * heat, pressure);
+	for (int k = 0; k < 2; k++) {
+		fields[k]->heat += 0.5 * heat;
+		fields[k]->pressure += pair->area > 0.0 ? pair->push / (mpm->dt * pair->area) : 0.0;
+	}
 }
 
 static void account_place(const struct mpm *mpm, struct contact *c, struct contact_place *place)
 {
-	for (int k = place->first; k < place->first + place->n; k++) {
-		const struct contact_field *field = &c->fields[k];
-		for (int d = 0; d < 2; d++)
-			place->impact -=
-				0.5 * field->bond[d] * (mpm->grid.v[field->node][d] + mpm->grid.v_new[field->node][d]);
-	}
 	for (int k = place->first_pair; k < place->first_pair + place->n_pairs; k++)
 		if (c->pairs[k].push > 0.0)
 			account_pair(mpm, c, place, &c->pairs[k]);
@@ -412,8 +320,7 @@ static void press_block(struct mpm *mpm, int block)
 			mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &q, &lists);
 			for (int a = 0; a < lists.nodes; a++)
 				if (c->first[lists.node[a]] >= 0)
-					pressure += lists.weight[a] *
-								contact_field_of(c, lists.node[a], c->label[mpm->p.body[q]])->pressure;
+					pressure += lists.weight[a] * contact_field_of(mpm, c, lists.node[a], q)->pressure;
 		}
 		mpm->p.contact_pressure[q] = pressure;
 	}

@@ -11,9 +11,7 @@
  *
  * What flows is decided at the face, whose place between the rows of nodes is known.  Then a straight line of
  * temperatures in a body is steady at every node that it reaches, also where it has next to no mass: conduction brings
- * each node the flux times the area of the face that belongs to it, and that is what the contact takes.
- *
- * Bonded fields are one body: their temperatures change at one rate, that of their sum. */
+ * each node the flux times the area of the face that belongs to it, and that is what the contact takes. */
 #include <math.h>
 
 #include "contact/private.h"
@@ -46,7 +44,7 @@ static void lift_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 				continue;
 			double x = grid->origin[0] + node % grid->nx * grid->spacing[0] - p->x[q][0],
 				   y = grid->origin[1] + node / grid->nx * grid->spacing[1] - p->x[q][1];
-			struct contact_field *field = contact_field_of(c, node, c->label[p->body[q]]);
+			struct contact_field *field = contact_field_of(mpm, c, node, q);
 			field->lift += capacity * lists.weight[a] * (gx * x + gy * y);
 			field->slope[0] += capacity * lists.weight[a] * gx;
 			field->slope[1] += capacity * lists.weight[a] * gy;
@@ -59,14 +57,6 @@ static bool conducts(const struct mpm *mpm, const struct contact_pair *pair)
 	return pair->push > 0.0 && pair->area > 0.0 && mpm->scene->contacts[pair->contact].conductance > 0.0;
 }
 
-static void mark_unit(const struct mpm *mpm, struct contact *c, const struct contact_place *place, int unit)
-{
-	for (int k = place->first; k < place->first + place->n; k++) {
-		struct contact_field *field = &c->fields[k];
-		field->conducts = field->conducts || (field->unit == unit && isnan(mpm_work(mpm)->fixed_T[field->node]));
-	}
-}
-
 static bool mark_conducting(const struct mpm *mpm, struct contact *c)
 {
 	bool any = false;
@@ -76,9 +66,7 @@ static bool mark_conducting(const struct mpm *mpm, struct contact *c)
 		const struct contact_place *place = &c->places[k];
 		for (int m = place->first_pair; m < place->first_pair + place->n_pairs; m++)
 			if (conducts(mpm, &c->pairs[m])) {
-				mark_unit(mpm, c, place, c->pairs[m].a);
-				mark_unit(mpm, c, place, c->pairs[m].b);
-				any = true;
+				c->fields[c->pairs[m].a].conducts = c->fields[c->pairs[m].b].conducts = any = true;
 			}
 	}
 	return any;
@@ -96,7 +84,7 @@ void contact_set_temperatures(struct mpm *mpm)
 		for (int k = 0; k < c->n_fields; k++) {
 			const struct contact_field *field = &c->fields[k];
 			double capacity = mpm_work(mpm)->sums[field->node].capacity;
-			if (field->conducts && capacity > 0.0)
+			if (field->conducts && capacity > 0.0 && isnan(mpm_work(mpm)->fixed_T[field->node]))
 				mpm->grid.T[field->node] = mpm->grid.T_new[field->node] = field->plain + field->lift / capacity;
 		}
 	}
@@ -104,76 +92,28 @@ void contact_set_temperatures(struct mpm *mpm)
 
 /* ---- flows ---- */
 
-/* Heat capacity of a unit, J/K, and its temperature now, K. */
-static double unit_capacity(const struct mpm *mpm, const struct contact *c, const struct contact_place *place, int unit,
-							double *T)
+/* The temperature of a field at the face of a pair, K. */
+static double face_temperature(const struct mpm *mpm, const struct contact_field *field,
+							   const struct contact_pair *pair)
 {
-	double capacity = 0.0, heat = 0.0;
-	for (int k = place->first; k < place->first + place->n; k++)
-		if (c->fields[k].unit == unit) {
-			double of_field = mpm_work(mpm)->sums[c->fields[k].node].capacity;
-			capacity += of_field;
-			heat += of_field * mpm->grid.T_new[c->fields[k].node];
-		}
-	*T = capacity > 0.0 ? heat / capacity : 0.0;
-	return capacity;
+	double slope = field->slope[0] * pair->normal[0] + field->slope[1] * pair->normal[1];
+	return mpm->grid.T_new[field->node] + slope / mpm_work(mpm)->sums[field->node].capacity * pair->face;
 }
 
-/* The temperature of a unit at the face of a pair, K. */
-static double face_temperature(const struct mpm *mpm, const struct contact *c, const struct contact_place *place,
-							   const struct contact_pair *pair, int unit, double *capacity)
-{
-	double T, slope = 0.0;
-	*capacity = unit_capacity(mpm, c, place, unit, &T);
-	for (int k = place->first; k < place->first + place->n; k++)
-		if (c->fields[k].unit == unit)
-			slope += c->fields[k].slope[0] * pair->normal[0] + c->fields[k].slope[1] * pair->normal[1];
-	return *capacity > 0.0 ? T + slope / *capacity * pair->face : T;
-}
-
-static void add_flow(const struct mpm *mpm, const struct contact *c, const struct contact_place *place, int unit,
-					 double capacity, double flow)
-{
-	for (int k = place->first; k < place->first + place->n; k++)
-		if (c->fields[k].unit == unit) {
-			struct node_sum *sum = &mpm_work(mpm)->sums[c->fields[k].node];
-			sum->flow += flow * sum->capacity / capacity;
-		}
-}
-
-static void conduct(const struct mpm *mpm, const struct contact *c, const struct contact_place *place,
-					const struct contact_pair *pair, double dt)
+static void conduct(const struct mpm *mpm, const struct contact *c, const struct contact_pair *pair, double dt)
 {
 	const struct scene_contact *s = &mpm->scene->contacts[pair->contact];
-	double Ca, Cb;
+	const struct contact_field *a = &c->fields[pair->a], *b = &c->fields[pair->b];
 	if (!conducts(mpm, pair))
-		return;
-	double Ta = face_temperature(mpm, c, place, pair, pair->a, &Ca),
-		   Tb = face_temperature(mpm, c, place, pair, pair->b, &Cb);
-	if (!(Ca > 0.0) || !(Cb > 0.0))
 		return;
 	double relative = pair->push / (mpm->dt * pair->area * s->conductance_pressure);
 	double conductance =
 		s->conductance * (s->conductance_exponent == 1.0 ? relative : pow(relative, s->conductance_exponent));
 	double most = 0.5 * pair->capacity * mpm->grid.h / dt;
-	double flow = fmin(conductance, most) * pair->area * (Tb - Ta);
-	add_flow(mpm, c, place, pair->a, Ca, flow);
-	add_flow(mpm, c, place, pair->b, Cb, -flow);
-}
-
-static void share_among_bonded(const struct mpm *mpm, const struct contact *c, const struct contact_place *place,
-							   int unit)
-{
-	double T, capacity = unit_capacity(mpm, c, place, unit, &T), flow = 0.0;
-	int members = 0;
-	for (int k = place->first; k < place->first + place->n; k++)
-		if (c->fields[k].unit == unit)
-			members++, flow += mpm_work(mpm)->sums[c->fields[k].node].flow;
-	for (int k = place->first; k < place->first + place->n && members > 1 && capacity > 0.0; k++)
-		if (c->fields[k].unit == unit) {
-			struct node_sum *sum = &mpm_work(mpm)->sums[c->fields[k].node];
-			sum->flow = flow * sum->capacity / capacity;
-		}
+	double flow =
+		fmin(conductance, most) * pair->area * (face_temperature(mpm, b, pair) - face_temperature(mpm, a, pair));
+	mpm_work(mpm)->sums[a->node].flow += flow;
+	mpm_work(mpm)->sums[b->node].flow -= flow;
 }
 
 static void exchange_at(const struct mpm *mpm, const struct contact *c, const struct contact_place *place, double dt)
@@ -182,10 +122,7 @@ static void exchange_at(const struct mpm *mpm, const struct contact *c, const st
 	for (int k = place->first; k < place->first + place->n; k++)
 		w->sums[c->fields[k].node].flow += c->fields[k].heat / w->thermal_dt;
 	for (int k = place->first_pair; k < place->first_pair + place->n_pairs; k++)
-		conduct(mpm, c, place, &c->pairs[k], dt);
-	for (int k = place->first; k < place->first + place->n; k++)
-		if (c->fields[k].unit == k)
-			share_among_bonded(mpm, c, place, k);
+		conduct(mpm, c, &c->pairs[k], dt);
 }
 
 void contact_exchange_heat(struct mpm *mpm, double dt)

@@ -7,17 +7,18 @@
 
 /* One field of a node that has several.  Sums are over the points of the field; S is the weight of the node. */
 struct contact_field {
-	int node;           /* index in the arrays by node: the grid's own, or a slot */
-	int label;          /* of the body */
-	int unit;           /* field (index) that stands for the fields bonded to this one; -1 = no mass here */
-	double gradient[2]; /* kg/m, sum m grad S: points out of the body */
-	double volume;      /* m3, sum V S */
-	double bond[2];     /* kg m/s, from the fields bonded to this one, in this step */
-	double heat;        /* J, of friction, in this step */
-	double plain, lift; /* K, J: mean of the points' temperatures, and what their slope adds at the node */
-	double slope[2];    /* J/m, sum m c S grad T */
-	bool conducts;      /* to another body, in this step */
-	double pressure;    /* Pa, of the contacts of this field's unit, in this step */
+	int node;            /* index in the arrays by node: the grid's own, or a slot */
+	int label;           /* of the body; others that are welded to it have joined it here */
+	int side;            /* of a crack in it: 0 or 1 */
+	bool sided;          /* there are both */
+	double direction[2]; /* 1/m: points whose damage gradient goes against it are on side 1 */
+	double gradient[2];  /* kg/m, sum m grad S: points out of the body */
+	double volume;       /* m3, sum V S */
+	double heat;         /* J, of friction, in this step */
+	double plain, lift;  /* K, J: mean of the points' temperatures, and what their slope adds at the node */
+	double slope[2];     /* J/m, sum m c S grad T */
+	bool conducts;       /* to another body, in this step */
+	double pressure;     /* Pa, of its contacts in this step */
 };
 
 /* A node with several fields: fields[first .. first + n - 1], in the order of their labels. */
@@ -27,9 +28,9 @@ struct contact_place {
 	double friction, impact, heat; /* J in this step: turned into heat, lost, given to the points */
 };
 
-/* Two units that may touch at a node. */
+/* Two fields that touch at a node. */
 struct contact_pair {
-	int a, b;          /* fields that stand for the units */
+	int a, b;          /* indices of the fields */
 	int contact;       /* index into the scene's contacts */
 	double normal[2];  /* unit vector, from a to b */
 	double area;       /* m2, of the surface that belongs to this node */
@@ -38,19 +39,12 @@ struct contact_pair {
 	double push, drag; /* kg m/s on b, along the normal and along the normal turned by +90 degrees; 0 = apart */
 };
 
-/* Sums of the units of a place while it is worked on. */
-struct contact_unit {
-	int field; /* that stands for it */
-	double mass, volume;
-	double v[2];
-	double gradient[2];
-	double heat, capacity; /* J, J/K */
-};
-
 struct contact {
 	int n_labels;
-	int *label; /* by body */
-	int *pair;  /* label * n_labels + label -> index into the scene's contacts, -1 = bonded */
+	int *label;  /* by body */
+	int *pair;   /* label * n_labels + label -> index into the scene's contacts, -1 = welded */
+	int *own;    /* label -> the contact between the faces of its own cracks, -1 = they are welded */
+	bool cracks; /* some label has one, and the law breaks */
 
 	int n_slots, slots_most;
 	int n_places, n_fields, n_pairs;
@@ -61,8 +55,9 @@ struct contact {
 	int *home;       /* by slot: the grid's node that it belongs to */
 	int *cell_label; /* by grid cell: label of its points, or one of the below */
 	bool *near;      /* by grid cell: a point in it may belong to a field of such a node */
-	bool *mixed;     /* by grid node: several labels in reach */
-
+	bool *mixed;     /* by grid node: several labels in reach, or both sides of a crack */
+	bool *hot;       /* by grid cell: near damage, at the last look */
+	bool *sloped;    /* by grid cell: a point in it has a damage gradient */
 };
 
 enum { CELL_EMPTY = -1, CELL_MIXED = -2 };
@@ -70,13 +65,31 @@ enum { CELL_EMPTY = -1, CELL_MIXED = -2 };
 /* The grid cells whose points reach node (i, j): columns and rows low .. high. */
 void contact_cells_about(const struct mpm *mpm, int i, int j, int low[2], int high[2]);
 
-/* The field of a place to which a point belongs; NULL only for a point that does not touch the node. */
-static inline struct contact_field *contact_field_of(const struct contact *c, int node, int label)
+/* Gradients of the points' damage, 1/m, every few steps. */
+void contact_find_gradients(struct mpm *mpm);
+
+/* Does a node have points of a body on both sides of a crack that is through?  Then `direction` tells them apart. */
+bool contact_sides(const struct mpm *mpm, const struct contact *c, int i, int j, int label, double direction[2]);
+
+static inline int contact_side(const double direction[2], const double gradient[2])
+{
+	return direction[0] * gradient[0] + direction[1] * gradient[1] < 0.0;
+}
+
+/* Is a body part of the field of another (or its own)? */
+static inline bool contact_joins(const struct contact *c, int field, int label)
+{
+	return field == label || c->pair[field * c->n_labels + label] < 0;
+}
+
+/* The field of a place to which point q, near its node, belongs. */
+static inline struct contact_field *contact_field_of(const struct mpm *mpm, const struct contact *c, int node, int q)
 {
 	struct contact_field *field = &c->fields[c->first[node]];
-	while (field->label != label)
+	int label = c->label[mpm->p.body[q]];
+	while (!contact_joins(c, field->label, label))
 		field++;
-	return field;
+	return field->sided ? field + contact_side(field->direction, mpm->p.damage_gradient[q]) : field;
 }
 
 /* Is any of a chunk's points near a node with several fields? */

@@ -112,6 +112,7 @@ struct law_type {
 struct law {
 	const struct law_type *type;
 	char name[SCENE_NAME];
+	const char *path;     /* which code computes its states; NULL: there is but one */
 	double density;       /* bulk at birth, kg/m3; NAN if the law has no opinion */
 	double coupling;      /* lambda / P-wave modulus at rest, 0..1: couples the two directions in the step's limit; 1 unless create() says less */
 	struct twins *twins;  /* law/twins.h; NULL: every point has its state to itself */

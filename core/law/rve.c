@@ -85,6 +85,7 @@ static int create(struct law *law, const struct scene_law *scene, int n_points, 
 	double void_ratio = 0.0;
 	for (int v = 0; v < n; v++)
 		void_ratio += rve_void_ratio(law->model, v) / n;
+	law->path = rve_path(law->model);
 	law->density = scene->rve.grain_density / (1.0 + void_ratio);
 	law->coupling = 1.0 / 3.0; /* measured: xxyy / xxxx is 0.09 dense, 0.32 loose */
 	law->model_hash = rve_packings_hash(law->model);

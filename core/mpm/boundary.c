@@ -1,6 +1,7 @@
 /* Values imposed on nodes in boxes: velocities, temperatures (also those of heated walls). */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/error.h"
 #include "mpm/mpm_private.h"
@@ -43,21 +44,27 @@ static bool boundary_active(const struct mpm *mpm, const struct scene_boundary *
 	return now >= b->from && now < b->until;
 }
 
-/* Nodes that the points of a driving body touch; at the end of the step they move with it. */
-static void impose_drives(struct mpm *mpm)
+/* Nodes that the points of a driving body touch; at the end of the step they move with it, and so do the fields of
+ * bodies that are welded to it there. */
+void boundaries_drive(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
 	struct shape_lists lists;
 	double end = mpm->time + mpm->dt;
 	for (int k = 0; k < mpm->p.n; k++) {
 		const struct scene_body *body = &mpm->scene->bodies[mpm->p.body[k]];
-		if (!scene_body_drives(body) || mpm_cell_of(w, mpm->p.x[k]) < 0)
+		if (!body->drives || mpm_cell_of(w, mpm->p.x[k]) < 0)
 			continue;
 		double share = end < body->drive_ramp ? end / body->drive_ramp : 1.0;
-		mpm_lists(mpm, 1, &k, &lists);
-		for (int a = 0; a < lists.nodes; a++)
-			for (int c = 0; c < 2 && lists.weight[a] > ON_BOX; c++)
-				w->fixed_v[lists.node[a]][c] = share * body->drive[c];
+		const double v[2] = {share * body->drive[0], share * body->drive[1]};
+		mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &k, &lists);
+		for (int a = 0; a < lists.nodes; a++) {
+			if (!(lists.weight[a] > ON_BOX))
+				continue;
+			if (w->contact && contact_drive(mpm, lists.node[a], mpm->p.body[k], v))
+				continue;
+			memcpy(w->fixed_v[lists.node[a]], v, sizeof v);
+		}
 	}
 }
 
@@ -81,8 +88,8 @@ static void rebuild(struct mpm *mpm)
 	for (int b = 0; b < mpm->scene->n_boundaries; b++)
 		if (w->boundary_on[b])
 			impose(mpm, &mpm->scene->boundaries[b], w->boundary_T[b]);
-	if (w->drives)
-		impose_drives(mpm);
+	if (w->drives && !w->contact)
+		boundaries_drive(mpm);
 	w->imposes_T = false;
 	for (size_t k = 0; w->fixed_T && k < nodes; k++)
 		w->imposes_T = w->imposes_T || !isnan(w->fixed_T[k]);
@@ -156,7 +163,7 @@ int boundaries_create(struct mpm *mpm)
 			w->point_heats[w->n_point_heats++].boundary = boundary;
 	}
 	for (int b = 0; b < mpm->scene->n_bodies; b++)
-		w->drives = w->drives || scene_body_drives(&mpm->scene->bodies[b]);
+		w->drives = w->drives || mpm->scene->bodies[b].drives;
 	if (velocities || w->drives) {
 		w->fixed_v = calloc(nodes, sizeof *w->fixed_v);
 		w->fixed_push = calloc(nodes, sizeof *w->fixed_push);

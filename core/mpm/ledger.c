@@ -39,7 +39,7 @@ const struct field mpm_ledger_fields[] = {
 	{"loss_bond", "J", 1, "of broken bonds"},
 	{"loss_fracture", "J", 1, "taken by cracks, as heat or surface"},
 	{"work_contact_friction", "J", 1, "turned into heat where bodies touch"},
-	{"loss_contact", "J", 1, "of bodies that meet, and of bonds between fields"},
+	{"loss_contact", "J", 1, "of bodies that meet"},
 	{"loss_numerical", "J", 1, "transfers between points and nodes, damping, remapping, impacts on walls"},
 	{"work_expansion", "J", 1, "done by thermal expansion"},
 	{"energy_discarded", "J", 1, "dropped with gas, re-seeded RVEs and points that left"},

@@ -38,7 +38,7 @@ struct mpm_ledger {
 	double heat_rve_friction;   /* turned into heat in RVEs */
 	double loss_dashpot, loss_bond, loss_fracture;
 	double work_contact_friction; /* turned into heat where bodies touch */
-	double loss_contact;        /* of bodies that meet, and of bonds between fields */
+	double loss_contact;        /* of bodies that meet */
 	double loss_numerical;      /* transfers between points and nodes, damping, remapping, unilateral impacts on walls */
 	double work_expansion;      /* by thermal expansion */
 	double energy_discarded;    /* gas, re-seeded */

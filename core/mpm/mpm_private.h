@@ -369,6 +369,8 @@ void walls_move(struct mpm *mpm);
 int boundaries_create(struct mpm *mpm);
 void boundaries_free(struct mpm *mpm);
 void boundaries_update(struct mpm *mpm);
+/* With contacts: the velocities of driving bodies, once the fields of this step are known. */
+void boundaries_drive(struct mpm *mpm);
 
 /* ---- limit.c: how far the step is from its limit on the points' places ---- */
 enum { GROWTH_MOST = 100 }; /* of a point's stress beyond the limit before the run is stopped */

@@ -46,9 +46,10 @@ static const struct column columns[] = {
 	COLUMN(heat_pending, 'd', 1),
 	COLUMN(heat_friction_sum, 'd', 1),
 	COLUMN(growth, 'd', 1),
-	COLUMN(affine, 'd', 4), /* with APIC only */
-	COLUMN(damage, 'd', 1), /* with a law that breaks only */
+	COLUMN(affine, 'd', 4),           /* with APIC only */
+	COLUMN(damage, 'd', 1),           /* with a law that breaks only */
 	COLUMN(contact_pressure, 'd', 1), /* with contacts only */
+	COLUMN(damage_gradient, 'd', 2),  /* with contacts and a law that breaks only */
 };
 
 enum { N_COLUMNS = sizeof columns / sizeof *columns };
@@ -73,7 +74,8 @@ int particles_create(struct particles *p, int n, bool affine, bool damage, bool 
 	for (int c = 0; c < N_COLUMNS; c++) {
 		if ((columns[c].offset == offsetof(struct particles, affine) && !affine) ||
 			(columns[c].offset == offsetof(struct particles, damage) && !damage) ||
-			(columns[c].offset == offsetof(struct particles, contact_pressure) && !contacts))
+			(columns[c].offset == offsetof(struct particles, contact_pressure) && !contacts) ||
+			(columns[c].offset == offsetof(struct particles, damage_gradient) && !(contacts && damage)))
 			continue;
 		size_t bytes = padded((size_t)n * column_bytes(&columns[c]) + 1);
 		void *data = aligned_alloc(64, bytes);

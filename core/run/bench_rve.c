@@ -2,6 +2,7 @@
 #include "run/bench.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -47,10 +48,11 @@ static int shear(const struct rve_model *model, unsigned char *state, double str
 /* One case: `strain_per_step` decides how violent it is; the default rebuilds its list about every 40 sub-steps, 2e-4
  * (the economy setting) about every 15.  Strong bonds hold lumps together for as long as is measured. */
 static int bench_case(bool json, const char *name, const struct rve_packing *packing, double strain_per_step,
-					  double bond_strength)
+					  double bond_strength, int path)
 {
 	struct rve_params params;
 	rve_params_default(&params);
+	params.path = path;
 	params.strain_per_step = strain_per_step;
 	params.pressure_scaling = 0;
 	params.bond_strength = bond_strength;
@@ -87,11 +89,19 @@ int bench_rve(bool json)
 	struct rve_packing *packing;
 	CHECK(rve_packing_cached(&packing, &how, &params));
 	bench_header(json, 1);
-	int status = bench_case(json, "rve_double", packing, 5e-5, 0.0);
-	if (status == STATUS_OK)
-		status = bench_case(json, "rve_double_violent", packing, 2e-4, 0.0);
-	if (status == STATUS_OK)
-		status = bench_case(json, "rve_double_bonded", packing, 5e-5, 0.1);
+	static const char *const paths[] = {"serial", "simd", "single"};
+	int status = STATUS_OK;
+	for (int path = 0; path < 3 && status == STATUS_OK; path++) {
+		char name[64];
+		snprintf(name, sizeof name, "rve_%s", paths[path]);
+		status = bench_case(json, name, packing, 5e-5, 0.0, path);
+		snprintf(name, sizeof name, "rve_%s_violent", paths[path]);
+		if (status == STATUS_OK)
+			status = bench_case(json, name, packing, 2e-4, 0.0, path);
+		snprintf(name, sizeof name, "rve_%s_bonded", paths[path]);
+		if (status == STATUS_OK)
+			status = bench_case(json, name, packing, 5e-5, 0.1, path);
+	}
 	rve_packing_free(packing);
 	return status;
 }

@@ -1,3 +1,4 @@
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,10 +9,19 @@
 
 enum { CHECKPOINT_VERSION = 2 };
 
-/* The bits of a state depend on the text that computed it: a state of one path goes on on that path. */
-static const char code_path[] = "cpu, serial kernel, double";
-
-const char *checkpoint_code_path(void) { return code_path; }
+void checkpoint_code_path(const struct mpm *mpm, char *path, size_t size)
+{
+	snprintf(path, size, "cpu, serial kernel, double");
+	bool first = true;
+	for (int l = 0; l < mpm->n_laws; l++) {
+		const struct law *law = mpm->laws[l];
+		if (!law->path || !strcmp(law->path, "serial"))
+			continue;
+		size_t used = first ? 0 : strlen(path);
+		snprintf(path + used, size - used, "%s%s in law %s", first ? "cpu, " : ", ", law->path, law->name);
+		first = false;
+	}
+}
 
 static hid_t checkpoint_type(char type)
 {
@@ -41,6 +51,8 @@ static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct
 {
 	CHECK(h5_attribute_text(file, ".", "format", whole ? "tmdempm checkpoint" : "tmdempm state at a guard"));
 	CHECK(h5_attribute_integer(file, ".", "version", CHECKPOINT_VERSION));
+	char code_path[CODE_PATH];
+	checkpoint_code_path(mpm, code_path, sizeof code_path);
 	CHECK(h5_attribute_text(file, ".", "code_path", code_path));
 	CHECK(h5_attribute_integer(file, ".", "step", mpm->step));
 	CHECK(h5_attribute_number(file, ".", "time", mpm->time));
@@ -51,6 +63,9 @@ static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct
 	if (status == STATUS_OK)
 		status =
 			h5_write(group, "region_mass", H5T_NATIVE_DOUBLE, (hsize_t)mpm->scene->n_regions, 0, memory->region_mass);
+	if (status == STATUS_OK && mpm->scene->n_cracks > 0)
+		status =
+			h5_write(group, "crack_length", H5T_NATIVE_DOUBLE, (hsize_t)mpm->scene->n_cracks, 0, memory->crack_length);
 	H5Gclose(group);
 	return status;
 }
@@ -147,6 +162,9 @@ static int checkpoint_read_history(hid_t file, const char *path, const struct sc
 	int status = h5_read_number(group, "time", &memory->time, path);
 	if (status == STATUS_OK)
 		status = h5_read(group, "region_mass", H5T_NATIVE_DOUBLE, (hsize_t)scene->n_regions, memory->region_mass, path);
+	if (status == STATUS_OK && scene->n_cracks > 0)
+		status =
+			h5_read(group, "crack_length", H5T_NATIVE_DOUBLE, (hsize_t)scene->n_cracks, memory->crack_length, path);
 	H5Gclose(group);
 	return status;
 }
@@ -183,16 +201,18 @@ static int checkpoint_read_state(hid_t file, const char *path, struct mpm *mpm)
 	return status == STATUS_OK ? mpm_restored(mpm) : status;
 }
 
-static int checkpoint_check_path(hid_t file, const char *path, bool allow_path_change)
+static int checkpoint_check_path(hid_t file, const char *path, const struct mpm *mpm, bool allow_path_change)
 {
-	char *stored;
+	char *stored, code_path[CODE_PATH];
+	checkpoint_code_path(mpm, code_path, sizeof code_path);
 	CHECK(h5_read_attribute_text(file, "code_path", &stored, path));
 	int status = STATUS_OK;
-	if (strcmp(stored, code_path) && !allow_path_change)
-		status = error_set(STATUS_INPUT,
-						   "%s was computed on the path `%s`, this run would use `%s`: the bits would change; "
-						   "--allow-path-change accepts that",
-						   path, stored, code_path);
+	if (strcmp(stored, code_path))
+		status = error_set(STATUS_INPUT, "%s was computed on the path `%s`, this run would use `%s`: %s", path, stored,
+						   code_path,
+						   allow_path_change
+							   ? "states of one are not laid out as those of the other; give the law the path of then"
+							   : "the bits would change; --allow-path-change accepts that where the states are alike");
 	free(stored);
 	return status;
 }
@@ -203,7 +223,7 @@ int checkpoint_read(const char *path, struct mpm *mpm, struct history_memory *me
 	CHECK(checkpoint_open(&file, path, false));
 	int status = checkpoint_compare(file, path, mpm->scene);
 	if (status == STATUS_OK)
-		status = checkpoint_check_path(file, path, allow_path_change);
+		status = checkpoint_check_path(file, path, mpm, allow_path_change);
 	if (status == STATUS_OK)
 		status = checkpoint_read_history(file, path, mpm->scene, memory);
 	if (status == STATUS_OK)
@@ -228,7 +248,7 @@ int checkpoint_look(const char *path, struct mpm *mpm)
 {
 	hid_t file;
 	CHECK(checkpoint_open(&file, path, true));
-	int status = checkpoint_check_path(file, path, false);
+	int status = checkpoint_check_path(file, path, mpm, false);
 	if (status == STATUS_OK)
 		status = checkpoint_read_state(file, path, mpm);
 	H5Fclose(file);

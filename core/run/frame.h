@@ -42,7 +42,7 @@ struct frame_array {
 };
 
 /* What is known of an RVE as a whole, beside its discs and contacts. */
-enum frame_rve_flag { FRAME_RVE_FLYING = 1, FRAME_RVE_FROZEN = 2 };
+enum frame_rve_flag { FRAME_RVE_FLYING = 1, FRAME_RVE_FROZEN = 2, FRAME_RVE_BIRTH = 4 };
 struct frame_rve {
 	double time;        /* s, of this RVE */
 	int64_t point;      /* id; -1: it belongs to no point (a packing, an RVE driven alone) */

@@ -168,6 +168,30 @@ static void frame_walls(struct frame_work *work)
 
 /* ---- RVEs ---- */
 
+void frame_birth_name(char name[FRAME_NAME], const char *rve) { snprintf(name, FRAME_NAME, "%.40s_birth", rve); }
+
+/* The start packing of an RVE that is shown. */
+static void frame_birth(struct frame_work *work, const struct frame_rve_view *now)
+{
+	char name[FRAME_NAME];
+	struct frame_rve_view birth = {
+		.name = name, .rule = "", .model = now->model, .point = now->point, .F = {1, 0, 0, 1}, .celsius = now->celsius};
+	struct rve_info info;
+	double conductivity[3], modulus;
+	void *state = aligned_alloc(64, (rve_state_bytes(now->model) + 63) / 64 * 64);
+	frame_birth_name(name, now->name);
+	rve_get_info(now->model, now->state, &info);
+	work->failed |= !state || rve_init(now->model, info.variant, state) != STATUS_OK;
+	if (!work->failed) {
+		birth.state = state;
+		birth.temperature = NAN;
+		birth.birth = true;
+		rve_evaluate(now->model, state, birth.stress, conductivity, &modulus);
+		work->failed |= frame_rve_add(work->builder, &birth) != STATUS_OK;
+	}
+	free(state);
+}
+
 static void frame_inspected(struct frame_work *work, const struct inspected *inspected, const struct inspected_rve *rve)
 {
 	const struct mpm *mpm = work->mpm;
@@ -186,6 +210,11 @@ static void frame_inspected(struct frame_work *work, const struct inspected *ins
 	memcpy(view.F, mpm->p.F[point], sizeof view.F);
 	view.temperature = scene_temperature_out(mpm->scene, mpm->p.T[point]);
 	work->failed |= frame_rve_add(work->builder, &view) != STATUS_OK;
+	for (int i = 0; i < mpm->scene->n_images; i++)
+		if (mpm->scene->images[i].before && !strcmp(mpm->scene->images[i].rve, rve->name)) {
+			frame_birth(work, &view);
+			return;
+		}
 }
 
 int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run_fields *fields,

@@ -12,6 +12,9 @@
 int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run_fields *fields,
 				const struct inspected *inspected, const void **frame, int64_t *bytes);
 
+/* The RVE of this name as it was at birth has a channel of its own where a picture asks for it. */
+void frame_birth_name(char name[FRAME_NAME], const char *rve);
+
 /* The quad that stands for a point: 4 corners, counter-clockwise, in m.
  *
  * A square of the point's initial area deformed by F.  Points that have flowed through an outlet carry

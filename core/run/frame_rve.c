@@ -167,7 +167,8 @@ static void drawn_whole(struct frame_drawn *d, const struct rve_info *info)
 		.temperature = view->thermal ? view->temperature : NAN,
 		.bonds_installed = info->bonds_installed,
 		.bonds_intact = info->bonds_intact,
-		.flags = (info->flags & RVE_GAS ? FRAME_RVE_FLYING : 0) | (info->flags & RVE_FROZEN ? FRAME_RVE_FROZEN : 0),
+		.flags = (info->flags & RVE_GAS ? FRAME_RVE_FLYING : 0) | (info->flags & RVE_FROZEN ? FRAME_RVE_FROZEN : 0) |
+				 (view->birth ? FRAME_RVE_BIRTH : 0),
 	};
 	snprintf(d->rve.rule, sizeof d->rve.rule, "%s", view->rule ? view->rule : "");
 	memcpy(d->rve.stress, view->stress, sizeof d->rve.stress);

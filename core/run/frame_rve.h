@@ -17,6 +17,7 @@ struct frame_rve_view {
 	double stress[4];   /* Pa, of the point: xx yy zz xy */
 	double F[4];        /* deformation gradient of the point, row-major */
 	double temperature; /* of the point in the frame's unit; NAN = unknown */
+	bool birth;         /* its start packing, for a picture beside another one; not written to files */
 	bool celsius;       /* that unit */
 	bool thermal;       /* temperature matters: it is named beside the picture */
 };

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "io/csv.h"
+#include "run/fragments.h"
 
 enum { LEDGER_COLUMNS = 8, NAME_BYTES = 160 };
 
@@ -28,6 +29,8 @@ struct history {
 	struct csv_writer *csv;
 	struct probe *probes;
 	double **columns; /* [fields][n * components], only with probes */
+	bool breaks;      /* some law does: pieces are columns */
+	double *spacing;  /* m, by point, of its lattice; only where something breaks */
 	bool rve;         /* some law has RVEs: their ledgers are columns */
 	struct history_memory *memory;
 };
@@ -162,6 +165,21 @@ static void history_probe_header(struct history *history, const char *owner)
 		history_name(history, "", owner, "rve_", ledger_names[c], "J/m3");
 }
 
+static void history_fracture_header(struct history *history)
+{
+	const struct scene *scene = history->mpm->scene;
+	static const struct {
+		const char *name, *unit;
+	} pieces[] = {{"fragments.count", "-"},     {"fragments.diameter_mean", "m"}, {"fragments.diameter_deviation", "m"},
+				  {"fragments.roundness", "-"}, {"fragments.largest", "m2"},      {"fragments.broken", "m2"}},
+	  crack[] = {{"tip_x", "m"}, {"tip_y", "m"}, {"length", "m"}, {"speed", "m/s"}, {"angle", "deg"}};
+	for (size_t k = 0; history->breaks && k < sizeof pieces / sizeof *pieces; k++)
+		csv_name(history->csv, pieces[k].name, pieces[k].unit);
+	for (int c = 0; c < scene->n_cracks; c++)
+		for (size_t k = 0; k < sizeof crack / sizeof *crack; k++)
+			history_name(history, "crack.", scene->cracks[c].name, crack[k].name, "", crack[k].unit);
+}
+
 static int history_header(struct history *history)
 {
 	const struct scene *scene = history->mpm->scene;
@@ -182,6 +200,7 @@ static int history_header(struct history *history)
 		history_name(history, "wall.", scene->walls[w].name, "friction_heat", "", "J");
 		history_name(history, "wall.", scene->walls[w].name, "heat", "", "J");
 	}
+	history_fracture_header(history);
 	for (int i = 0; i < scene->n_probes; i++)
 		history_probe_header(history, scene->probes[i].name);
 	return csv_end_row(history->csv);
@@ -203,6 +222,58 @@ static void history_regions(struct history *history, bool scheduled)
 		if (scheduled)
 			history->memory->region_mass[r] = values.mass;
 	}
+}
+
+static void history_pieces(struct history *history, const struct fragment_summary *s)
+{
+	csv_integer(history->csv, s->count);
+	csv_number(history->csv, s->diameter_mean);
+	csv_number(history->csv, s->diameter_deviation);
+	csv_number(history->csv, s->roundness_mean);
+	csv_number(history->csv, s->largest);
+	csv_number(history->csv, s->broken);
+}
+
+static int history_crack(struct history *history, const struct fragment_points *points, int c, bool scheduled)
+{
+	const struct scene_crack *scene = &history->mpm->scene->cracks[c];
+	struct crack crack;
+	double elapsed = history->mpm->time - history->memory->time;
+	CHECK(fragments_crack(&crack, points, scene->at, scene->reach));
+	csv_number(history->csv, crack.tip[0]);
+	csv_number(history->csv, crack.tip[1]);
+	csv_number(history->csv, crack.length);
+	csv_number(history->csv, elapsed > 0 ? (crack.length - history->memory->crack_length[c]) / elapsed : 0.0);
+	csv_number(history->csv, crack.angle * 180.0 / M_PI - scene->axis);
+	if (scheduled)
+		history->memory->crack_length[c] = crack.length;
+	return STATUS_OK;
+}
+
+/* Pieces and cracks, from the points as they are. */
+static int history_fracture(struct history *history, bool scheduled)
+{
+	const struct mpm *mpm = history->mpm;
+	const struct particles *p = &mpm->p;
+	if (!history->breaks)
+		return STATUS_OK;
+	for (int k = 0; k < p->n; k++)
+		history->spacing[k] = sqrt(p->volume0[k] / mpm->grid.thickness);
+	const struct fragment_points points = {.n = p->n,
+										   .X = (const double(*)[2])p->x0,
+										   .x = (const double(*)[2])p->x,
+										   .damage = p->damage,
+										   .spacing = history->spacing,
+										   .mass = p->mass,
+										   .body = p->body};
+	struct fragments fragments;
+	CHECK(fragments_find(&fragments, &points));
+	struct fragment_summary summary = fragments_summary(&fragments);
+	fragments_free(&fragments);
+	history_pieces(history, &summary);
+	for (int c = 0; c < mpm->scene->n_cracks; c++)
+		CHECK(history_crack(history, &points, c, scheduled));
+	return STATUS_OK;
 }
 
 static void history_probe(struct history *history, int i)
@@ -245,6 +316,7 @@ int history_row(struct history *history, bool scheduled)
 		csv_number(history->csv, mpm->walls[w].friction_heat);
 		csv_number(history->csv, mpm->walls[w].heat);
 	}
+	CHECK(history_fracture(history, scheduled));
 	for (int f = 0; history->columns && f < history->fields->n; f++)
 		fields_get(history->fields, mpm, f, history->columns[f]);
 	for (int i = 0; i < mpm->scene->n_probes; i++)
@@ -262,7 +334,9 @@ static int history_allocate(struct history *history)
 {
 	const struct mpm *mpm = history->mpm;
 	for (int l = 0; l < mpm->n_laws; l++)
-		history->rve |= mpm->laws[l]->type->rve_view != NULL;
+		history->rve |= mpm->laws[l]->type->rve_view != NULL, history->breaks |= mpm->laws[l]->type->breaks;
+	if (history->breaks && !(history->spacing = malloc(((size_t)mpm->p.n + 1) * sizeof *history->spacing)))
+		return error_set(STATUS_RESOURCE, "out of memory");
 	CHECK(probes_create(history));
 	if (mpm->scene->n_probes == 0)
 		return STATUS_OK;
@@ -276,17 +350,19 @@ static int history_allocate(struct history *history)
 	return history->columns ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory");
 }
 
-int history_memory_create(struct history_memory *memory, int n_regions)
+int history_memory_create(struct history_memory *memory, int n_regions, int n_cracks)
 {
 	memory->time = NAN;
 	memory->region_mass = calloc((size_t)n_regions + 1, sizeof(double));
-	return memory->region_mass ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory");
+	memory->crack_length = calloc((size_t)n_cracks + 1, sizeof(double));
+	return memory->region_mass && memory->crack_length ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory");
 }
 
 void history_memory_free(struct history_memory *memory)
 {
 	free(memory->region_mass);
-	memory->region_mass = NULL;
+	free(memory->crack_length);
+	memory->region_mass = memory->crack_length = NULL;
 }
 
 int history_create(struct history **result, const char *path, const struct mpm *mpm, struct run_fields *fields,
@@ -327,6 +403,7 @@ int history_close(struct history *history)
 	for (int f = 0; history->columns && f < history->fields->n; f++)
 		free(history->columns[f]);
 	free(history->columns);
+	free(history->spacing);
 	free(history->probes);
 	free(history);
 	return status;

@@ -13,9 +13,10 @@ struct history;
 struct history_memory {
 	double time;         /* s, of the last scheduled row; NAN before the first */
 	double *region_mass; /* kg, at that row, [n_regions] */
+	double *crack_length; /* m, at that row, [n_cracks] */
 };
 
-int history_memory_create(struct history_memory *memory, int n_regions);
+int history_memory_create(struct history_memory *memory, int n_regions, int n_cracks);
 void history_memory_free(struct history_memory *memory);
 
 /* Opens `path`; with `append` rows are added to those up to the memory's time, else the file starts with its

@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "run/frame_build.h"
 #include "run/run_private.h"
 
 struct images {
@@ -23,6 +24,8 @@ static void image_describe(struct frame_image *to, const struct scene_image *fro
 	snprintf(to->field, sizeof to->field, "%.63s", from->field);
 	to->component = from->component;
 	snprintf(to->rve, sizeof to->rve, "%.63s", from->rve);
+	if (from->before)
+		frame_birth_name(to->before, from->rve);
 	memcpy(to->view, from->view, sizeof to->view);
 	to->size[0] = from->size[0], to->size[1] = from->size[1];
 	snprintf(to->map, sizeof to->map, "%.63s", from->map);
@@ -134,7 +137,8 @@ static bool image_has_subject(struct images *images, const void *frame, int i)
 	snprintf(channel, sizeof channel, "rve_%.48s_discs", image->rve);
 	bool there = frame_find_channel(frame, channel) >= 0;
 	if (!there && !images->missing[i])
-		log_warning(images->sink.log, "picture %s is not drawn: the RVE %s is not inspected (now)", image->name, image->rve);
+		log_warning(images->sink.log, "picture %s is not drawn: the RVE %s is not inspected (now)", image->name,
+					image->rve);
 	images->missing[i] = !there;
 	return there;
 }

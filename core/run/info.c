@@ -13,6 +13,7 @@
 #include "run/json.h"
 #include "run/machine.h"
 #include "run/run.h"
+#include "run/steering_command.h"
 #include "run/viewer.h"
 #include "rve/model.h"
 #include "version.h"
@@ -38,7 +39,7 @@ static bool info_on_path(const char *program)
 	return false;
 }
 
-enum { INFO_DEVICES = 3, INFO_SINKS = 4 };
+enum { INFO_DEVICES = 3, INFO_SINKS = 5 };
 
 static void info_devices(struct info_part parts[INFO_DEVICES])
 {
@@ -57,6 +58,10 @@ static void info_sinks(struct info_part parts[INFO_SINKS])
 								  !viewer ? "install paraview-dev, python3-paraview, g++ and xvfb (apt-get install "
 											"--no-install-recommends), then build with -DTMDEMPM_INSITU=ON"
 										  : "install xvfb (apt-get install xvfb), or set DISPLAY"};
+	parts[4] = (struct info_part){"catalyst", "ParaView in the run: scripts (--pipeline), a live view (--live)",
+								  viewer_has_catalyst(),
+								  "install python3-paraview, paraview-dev, libpython3-dev and g++ (apt-get install "
+								  "--no-install-recommends), then build with -DTMDEMPM_INSITU=ON"};
 }
 
 /* ---- for people ---- */
@@ -104,6 +109,10 @@ static void info_print(const struct machine *machine, const struct info_part *de
 	printf("exact solutions (tmdempm exact NAME shows one)\n");
 	exact_print(NULL);
 	info_print_parts("sinks", sinks, INFO_SINKS);
+	printf("steering (tmdempm steer DIR COMMAND...)\n%s", steering_help);
+	printf("rules (inspect.NAME=RULE, rve show --rule RULE)\n");
+	for (const struct rve_rule *rule = rve_rules; rule->name; rule++)
+		printf("  %-16s the point with %s\n", rule->name, rule->doc);
 	info_print_fields("points", particle_fields, particle_fields_count);
 	for (int l = 0; law_types[l]; l++)
 		if (law_types[l]->n_fields > 0)
@@ -187,6 +196,10 @@ static void info_json(const struct machine *machine, const struct info_part *dev
 		info_json_part(&json, exact_solutions[s]->name, exact_solutions[s]->doc);
 	json_close(&json, ']');
 	info_json_parts(&json, "sinks", sinks, INFO_SINKS);
+	json_open(&json, "rules", '[');
+	for (const struct rve_rule *rule = rve_rules; rule->name; rule++)
+		info_json_part(&json, rule->name, rule->doc);
+	json_close(&json, ']');
 	json_open(&json, "fields", '{');
 	info_json_fields(&json, "points", particle_fields, particle_fields_count);
 	for (int l = 0; law_types[l]; l++)

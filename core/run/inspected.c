@@ -55,6 +55,38 @@ struct inspected_rve *inspected_find(const struct inspected *inspected, const ch
 	return NULL;
 }
 
+/* A rule, or a place, needs something to choose from. */
+static int none_to_choose(void) { return error_set(STATUS_INPUT, "no point of this run has an RVE"); }
+
+int inspected_choose(const struct inspected *inspected, struct steering_command *command, struct inspected_rve *rve)
+{
+	const struct mpm *mpm = inspected->mpm;
+	*rve = (struct inspected_rve){.id = -1, .since = -1};
+	snprintf(rve->name, sizeof rve->name, "%s", command->name);
+	if (command->target == STEER_RULE)
+		return rve->rule = command->rule, lowest_id(mpm) >= 0 ? STATUS_OK : none_to_choose();
+	if (command->target == STEER_AT) {
+		int nearest = inspected_nearest(mpm, command->at);
+		if (nearest < 0)
+			return none_to_choose();
+		command->target = STEER_POINT;
+		command->point = mpm->p.id[nearest];
+	}
+	int point = mpm_point_by_id(mpm, rve->id = command->point);
+	if (point < 0)
+		return error_set(STATUS_INPUT, "there is no point %d, expected one of 0 to %d", rve->id, mpm->p.n - 1);
+	if (!inspected_has_rve(mpm, point))
+		return error_set(STATUS_INPUT, "point %d has no RVE: its law is %s", rve->id,
+						 mpm->laws[mpm->p.law[point]]->name);
+	return STATUS_OK;
+}
+
+bool inspected_is(const struct inspected *inspected, const struct inspected_rve *rve)
+{
+	const struct inspected_rve *there = inspected_find(inspected, rve->name);
+	return there && there->rule == rve->rule && (rve->rule || there->id == rve->id);
+}
+
 int inspected_set(struct inspected *inspected, const struct inspected_rve *rve)
 {
 	struct inspected_rve *there = inspected_find(inspected, rve->name);

@@ -2,7 +2,7 @@
 #ifndef TMDEMPM_RUN_INSPECTED_H
 #define TMDEMPM_RUN_INSPECTED_H
 
-#include "run/rules.h"
+#include "run/steering_command.h"
 
 struct inspected_rve {
 	char name[SCENE_NAME];
@@ -23,6 +23,13 @@ void inspected_free(struct inspected *inspected);
 
 /* NULL if there is none of this name. */
 struct inspected_rve *inspected_find(const struct inspected *inspected, const char *name);
+
+/* What a command to inspect (not `none`) means now; a place in it (at:) becomes the point that is there.  STATUS_INPUT
+ * if there is no such RVE. */
+int inspected_choose(const struct inspected *inspected, struct steering_command *command, struct inspected_rve *rve);
+
+/* Is just that inspected already under this name? */
+bool inspected_is(const struct inspected *inspected, const struct inspected_rve *rve);
 
 /* Adds `rve`, or puts it in the place of that of its name. */
 int inspected_set(struct inspected *inspected, const struct inspected_rve *rve);

@@ -8,12 +8,15 @@
 #include "base/error.h"
 #include "io/file.h"
 #include "run/run_private.h"
+#include "run/steering.h"
 
+static const char SOURCE[] = "paraview";
 static const double SILENCE = 5.0; /* s, after which one says that the client does not keep up */
 static const double SLACK = 0.2;   /* s of a viewer's time beyond its share: a first look is not to wait for minutes */
 
 struct live {
 	struct sink sink;
+	struct steering *steering;
 	char host[SCENE_NAME];
 	int port, every; /* every so many steps */
 	bool asked, linked, thins, silent;
@@ -60,6 +63,7 @@ static void live_go(struct live *live)
 	live->linked = false;
 	log_line(live->sink.log, "live: ParaView has gone; it was shown %lld frames, %lld were dropped",
 			 live->counts.shown - live->shown_before, live->counts.dropped - live->dropped_before);
+	steering_source_lost(live->steering, SOURCE);
 }
 
 static void live_hear(void *data, const struct frame_message *message)
@@ -70,10 +74,10 @@ static void live_hear(void *data, const struct frame_message *message)
 	else if (message->kind == FRAME_MSG_LINK)
 		(message->n ? live_come : live_go)(live);
 	else if (message->kind == FRAME_MSG_STEER)
-		log_line(live->sink.log, "live: ParaView wants %s, which this version does not follow", message->text);
+		steering_offer(live->steering, SOURCE, message->text);
 }
 
-void live_serve(struct live *live)
+static void live_serve(struct live *live)
 {
 	if (!live->sink.viewer)
 		return;
@@ -86,9 +90,20 @@ void live_serve(struct live *live)
 		sink_lost(&live->sink);
 }
 
-int live_descriptor(const struct live *live)
+static int live_descriptor(void *data)
 {
+	const struct live *live = data;
 	return live->sink.viewer ? viewer_descriptor(live->sink.viewer) : -1;
+}
+
+static void live_serve_transport(void *data) { live_serve(data); }
+
+void live_steer(struct live *live, struct steering *steering)
+{
+	struct steering_transport transport = {live_descriptor, live_serve_transport, live};
+	live->steering = steering;
+	if (live->sink.viewer)
+		steering_add_transport(steering, &transport);
 }
 
 /* ---- start ---- */
@@ -197,6 +212,12 @@ bool live_due(struct live *live, long long step, bool now)
 		return true;
 	live->counts.thinned++;
 	return false;
+}
+
+bool live_ready(struct live *live)
+{
+	live_serve(live);
+	return live->linked && live->sink.viewer && viewer_idle(live->sink.viewer);
 }
 
 void live_offer(struct live *live, const void *frame, int64_t bytes, bool last, double seconds)

@@ -10,6 +10,7 @@
 #include "scene/scene.h"
 
 struct live;
+struct steering;
 
 /* Reads "22222" or "host:22222"; STATUS_INPUT if it is neither. */
 int live_address(const char *text, char host[SCENE_NAME], int *port);
@@ -19,19 +20,19 @@ int live_address(const char *text, char host[SCENE_NAME], int *port);
 int live_create(struct live **live, const struct scene *scene, const struct run_options *options, const char *folder,
 				struct run_log *log);
 
+/* Commands of the client go to `steering` as source "paraview". */
+void live_steer(struct live *live, struct steering *steering);
+
 /* Is a frame wanted now?  At every so many steps while a client is there and keeps up, and the viewer's share of the
  * run's time allows; `now` = at this step in any case (the run's last; a pause begins).  Takes what the viewer has to
  * say, so it is called at each step. */
 bool live_due(struct live *live, long long step, bool now);
 
-/* Offers a frame of which live_due() was told; `seconds` = what it took to make it. */
+/* Would a client get a frame now, whatever is due? */
+bool live_ready(struct live *live);
+
+/* Offers a frame of which live_due() or live_ready() was told; `seconds` = what it took to make it. */
 void live_offer(struct live *live, const void *frame, int64_t bytes, bool last, double seconds);
-
-/* Takes what the viewer has to say; never waits. */
-void live_serve(struct live *live);
-
-/* Readable when there is something to take; -1 = none. */
-int live_descriptor(const struct live *live);
 
 struct live_counts {
 	long long shown;   /* frames that a client was offered and got */

@@ -16,8 +16,9 @@ struct look_parts {
 	struct scene *scene;
 	struct mpm *mpm;
 	struct run_fields *fields;
-	struct inspected *inspected; /* by the scene */
+	struct inspected *inspected; /* by the scene; of a checkpoint also by those who steered */
 	struct rve_model *model;     /* of an RVE file or a packing */
+	bool *has_rve;               /* by the points' ids */
 	unsigned char *state;        /* of its own, of a snapshot, an RVE file or a packing */
 };
 
@@ -58,6 +59,12 @@ static int look_make_mpm(struct look *look, char *text)
 	free(text);
 	CHECK(status);
 	CHECK(mpm_create(&parts->mpm, parts->scene));
+	const struct particles *p = &parts->mpm->p;
+	parts->has_rve = calloc((size_t)p->n + 1, sizeof *parts->has_rve);
+	if (!parts->has_rve)
+		return error_set(STATUS_RESOURCE, "out of memory");
+	for (int k = 0; k < p->n; k++)
+		parts->has_rve[p->id[k]] = parts->mpm->laws[p->law[k]]->type->rve_view != NULL;
 	CHECK(fields_create(&parts->fields, parts->mpm));
 	return inspected_create(&parts->inspected, parts->mpm, parts->fields);
 }
@@ -95,13 +102,18 @@ static int look_value(const struct look *look, const struct look_points *points,
 	return status;
 }
 
-/* The law of the point with this id, if there is an RVE behind it; else NULL. */
+/* The law of the point with this id. */
 static const struct law *look_law(const struct look *look, int id)
 {
 	const struct mpm *mpm = look->parts->mpm;
-	int stored = mpm_point_by_id(mpm, id);
-	const struct law *law = stored < 0 ? NULL : mpm->laws[mpm->p.law[stored]];
-	return law && law->type->rve_view ? law : NULL;
+	return mpm->laws[mpm->p.law[mpm_point_by_id(mpm, id)]];
+}
+
+/* Is there an RVE behind point k? */
+static bool look_has_rve(const struct look *look, const struct look_points *points, int k)
+{
+	int id = points->id[k];
+	return id >= 0 && id < look->parts->mpm->p.n && look->parts->has_rve[id];
 }
 
 /* ---- choosing ---- */
@@ -176,7 +188,7 @@ static int look_nearest(const struct look *look, const struct look_points *point
 	double least = INFINITY;
 	for (int k = 0; k < points->n; k++) {
 		double distance = hypot(points->x[k][0] - at[0], points->x[k][1] - at[1]);
-		if (look_law(look, points->id[k]) &&
+		if (look_has_rve(look, points, k) &&
 			(distance < least || (distance == least && points->id[k] < points->id[best])))
 			best = k, least = distance;
 	}
@@ -191,7 +203,7 @@ static int look_by_rule(const struct look *look, const struct look_points *point
 		return error_set(STATUS_RESOURCE, "out of memory");
 	int status = look_field(look, points, rule->field, 1, value);
 	for (int k = 0; status == STATUS_OK && k < points->n; k++)
-		if (!look_law(look, points->id[k]))
+		if (!look_has_rve(look, points, k))
 			value[k] = NAN;
 	if (status == STATUS_OK)
 		*point = rve_rule_choose(rule, points->n, points->id, value);
@@ -219,7 +231,7 @@ static int look_choose(const struct look *look, const struct look_points *points
 	if (*point < 0 && choice->point >= 0)
 		return error_set(STATUS_INPUT, "--point %lld: %s has the points 0 to %d", choice->point, look->source,
 						 points->n - 1);
-	if (*point < 0 || !look_law(look, points->id[*point]))
+	if (*point < 0 || !look_has_rve(look, points, *point))
 		return error_set(STATUS_INPUT, "%s: there is no RVE behind %s", look->source,
 						 *point < 0 ? "any point" : "this point, its law has none");
 	return STATUS_OK;
@@ -313,6 +325,31 @@ static int look_take_path(struct look *look)
 
 /* ---- a checkpoint ---- */
 
+/* The log of those who steered says what was inspected at this state. */
+static int look_take_steered(struct look *look)
+{
+	struct inspected *inspected = look->parts->inspected;
+	struct steering_script script;
+	char path[FILE_PATH];
+	CHECK(file_join(path, look->folder, "steering.csv"));
+	if (!file_exists(path))
+		return STATUS_OK;
+	CHECK(steering_script_read(&script, path));
+	int status = STATUS_OK;
+	for (int k = 0; k < script.n && script.rows[k].step <= look->origin.step && status == STATUS_OK; k++) {
+		struct steering_command *command = &script.rows[k].command;
+		struct inspected_rve rve;
+		if (command->verb != STEER_INSPECT)
+			continue;
+		if (command->target == STEER_NOTHING)
+			inspected_remove(inspected, command->name);
+		else if (inspected_choose(inspected, command, &rve) == STATUS_OK)
+			status = inspected_set(inspected, &rve);
+	}
+	steering_script_free(&script);
+	return status;
+}
+
 static int look_checkpoint(struct look *look, const struct look_choice *choice)
 {
 	char *text;
@@ -324,9 +361,10 @@ static int look_checkpoint(struct look *look, const struct look_choice *choice)
 		return error_context(status, "this release cannot read that state");
 	struct look_points points = {.snapshot = -1, .n = mpm->p.n, .id = mpm->p.id, .x = mpm->p.x};
 	int point;
-	CHECK(look_choose(look, &points, choice, &point));
 	look->origin.step = mpm->step;
 	look->origin.time = mpm->time;
+	CHECK(look_take_steered(look));
+	CHECK(look_choose(look, &points, choice, &point));
 	CHECK(look_take_point(look, &points, point));
 	look_take_name(look, &points, choice->name);
 	const struct law *law = mpm->laws[mpm->p.law[point]];
@@ -685,6 +723,7 @@ void look_close(struct look *look)
 	mpm_free(parts->mpm);
 	scene_free(parts->scene);
 	rve_model_free(parts->model);
+	free(parts->has_rve);
 	free(parts->state);
 	free(parts);
 	look->parts = NULL;

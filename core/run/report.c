@@ -197,12 +197,14 @@ static void report_outcome(struct json *json, const struct run *run, const char 
 
 static void report_fill(struct json *json, const struct run *run, const char *state)
 {
+	char code_path[CODE_PATH];
+	checkpoint_code_path(run->mpm, code_path, sizeof code_path);
 	json_open(json, NULL, '{');
 	json_text(json, "program", "tmdempm");
 	json_text(json, "version", TMDEMPM_VERSION);
 	json_text(json, "compiler", TMDEMPM_COMPILER);
 	json_text(json, "build", TMDEMPM_BUILD_TYPE);
-	json_text(json, "code_path", checkpoint_code_path());
+	json_text(json, "code_path", code_path);
 	json_text(json, "rve_isa", rve_isa());
 	json_text(json, "state", state);
 	json_text(json, "title", run->scene->title);

@@ -179,7 +179,7 @@ static int run_prepare(struct run *run)
 	run->threads = omp_get_max_threads();
 	CHECK(mpm_create(&run->mpm, run->scene));
 	CHECK(use_devices(run));
-	CHECK(history_memory_create(&run->memory, run->scene->n_regions));
+	CHECK(history_memory_create(&run->memory, run->scene->n_regions, run->scene->n_cracks));
 	if (restart)
 		CHECK(checkpoint_read(options->restart, run->mpm, &run->memory, options->allow_path_change));
 	if (run->mpm->step > run->last_step)

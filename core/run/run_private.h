@@ -41,7 +41,8 @@ int paths_close(struct paths *paths);
 int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory, bool whole);
 
 /* The name of the code whose bits a checkpoint continues. */
-const char *checkpoint_code_path(void);
+enum { CODE_PATH = 512 };
+void checkpoint_code_path(const struct mpm *mpm, char *path, size_t size);
 
 /* Reads the state into an MPM made from the same scene. STATUS_INPUT if the file is of another scene (the
  * message names the first setting that differs), another code path (unless allowed), or broken. */
@@ -114,6 +115,8 @@ int watch_open(struct run *run);
 unsigned watch_due(struct run *run, bool last);
 /* Hands it to them; `seconds` = what it took to make it. */
 void watch_show(struct run *run, unsigned due, const void *frame, int64_t bytes, bool last, double seconds);
+/* During a pause: a live client sees the state that the run waits in, and what commands have changed. */
+int watch_wait(struct run *run);
 /* Returns when everything asked for is drawn and done: before a checkpoint, which says that all before it is. */
 void watch_flush(struct run *run);
 double watch_waited(const struct run *run);    /* s that the engine has waited for viewers */
@@ -155,6 +158,8 @@ struct run {
 	long long first_step, last_step;
 	long long history_every, snapshot_every, checkpoint_every; /* steps */
 	long long first_disc_steps;
+	long long waited_step; /* state that a live client has seen during a pause: step and commands so far */
+	int waited_commands;
 	double loop_start;    /* s, clock_seconds() */
 	double loop_time;     /* s, when it is over */
 	double loop_cpu;      /* s on all cores, when it is over */

@@ -345,6 +345,7 @@ static int snapshot_fill(const struct snapshots *s, hid_t file)
 {
 	CHECK(h5_attribute_number(file, ".", "time", s->mpm->time));
 	CHECK(h5_attribute_integer(file, ".", "step", s->mpm->step));
+	CHECK(h5_attribute_number(file, ".", "thickness", s->mpm->grid.thickness));
 	CHECK(snapshot_part(s, file, "points", snapshot_points));
 	CHECK(snapshot_part(s, file, "grid", snapshot_grid));
 	return snapshot_part(s, file, "rve", snapshot_rves);
@@ -377,6 +378,8 @@ static int snapshot_write_vtk(struct snapshots *s, const void *frame)
 	CHECK(file_join(path, s->folder, "vtk"));
 	CHECK(file_make_folder(path));
 	for (int c = 0; c < header->n_channels; c++) {
+		if (channels[c].rve.flags & FRAME_RVE_BIRTH)
+			continue;
 		struct series *series = series_find(s, channels[c].name);
 		if (!series)
 			return error_set(STATUS_RESOURCE, "out of memory");

@@ -15,34 +15,6 @@ static void steered_say(void *data, const char *text) { log_line(&((struct run *
 
 /* ---- the inspected RVEs ---- */
 
-/* Which RVE a command means; a place becomes the point that is there now. */
-static int steered_target(const struct run *run, struct steering_command *command, struct inspected_rve *rve)
-{
-	const struct mpm *mpm = run->mpm;
-	snprintf(rve->name, sizeof rve->name, "%s", command->name);
-	if (command->target == STEER_AT) {
-		int point = inspected_nearest(mpm, command->at);
-		if (point < 0)
-			return error_set(STATUS_INPUT, "no point of this run has an RVE");
-		command->target = STEER_POINT;
-		command->point = mpm->p.id[point];
-	}
-	if (command->target == STEER_RULE) {
-		int point;
-		rve->rule = command->rule;
-		CHECK(inspected_point(run->inspected, rve, &point));
-		return point >= 0 ? STATUS_OK : error_set(STATUS_INPUT, "no point of this run has an RVE");
-	}
-	int point = mpm_point_by_id(mpm, command->point);
-	if (point < 0)
-		return error_set(STATUS_INPUT, "there is no point %d, expected one of 0 to %d", command->point, mpm->p.n - 1);
-	if (!inspected_has_rve(mpm, point))
-		return error_set(STATUS_INPUT, "point %d has no RVE: its law is %s", command->point,
-						 mpm->laws[mpm->p.law[point]]->name);
-	rve->id = command->point;
-	return STATUS_OK;
-}
-
 /* What is inspected under a name, in words. */
 static int steered_name(const struct run *run, const struct inspected_rve *rve, char *text, size_t size)
 {
@@ -55,21 +27,20 @@ static int steered_name(const struct run *run, const struct inspected_rve *rve, 
 
 static int steered_inspect(struct run *run, struct steering_command *command, long long since, char said[STEERING_SAID])
 {
-	struct inspected_rve rve = {.since = since < 0 ? run->mpm->step : since};
-	const struct inspected_rve *old = inspected_find(run->inspected, command->name);
+	struct inspected_rve rve;
 	char what[128];
 	if (command->target == STEER_NOTHING) {
-		if (!old)
+		if (!inspected_find(run->inspected, command->name))
 			return error_set(STATUS_INPUT, "no RVE is inspected as \"%s\"", command->name);
 		snprintf(said, STEERING_SAID, "%s is no longer inspected", command->name);
 		inspected_remove(run->inspected, command->name);
 		return since < 0 ? paths_stop(run->paths, command->name) : STATUS_OK;
 	}
-	CHECK(steered_target(run, command, &rve));
+	CHECK(inspected_choose(run->inspected, command, &rve));
+	rve.since = since < 0 ? run->mpm->step : since;
 	CHECK(steered_name(run, &rve, what, sizeof what));
 	snprintf(said, STEERING_SAID, "%s is %s", rve.name, what);
-	bool same = old && old->rule == rve.rule && (rve.rule || old->id == rve.id);
-	if (same)
+	if (inspected_is(run->inspected, &rve))
 		return STATUS_OK;
 	if (since < 0)
 		CHECK(rve.rule ? paths_stop(run->paths, rve.name) : paths_start(run->paths, &rve));
@@ -113,6 +84,8 @@ static void steered_describe(void *data, FILE *to)
 		fprintf(to, "image      %s every %.9g s\n", scene->images[i].name, images_every(run->images, i));
 }
 
+static void steered_waits(void *data) { watch_wait(data); }
+
 /* ---- life ---- */
 
 /* The log that says what was in force: ours, or, in a new folder, that beside the checkpoint. */
@@ -126,10 +99,11 @@ static int steered_restore(struct run *run, const char *ours, bool continues)
 
 int steered_open(struct run *run, bool continues)
 {
-	struct steering_host host = {run, steered_when, steered_act, steered_say, steered_describe};
+	struct steering_host host = {run, steered_when, steered_act, steered_say, steered_describe, steered_waits};
 	char log[FILE_PATH];
 	CHECK(file_join(log, run->folder, "steering.csv"));
 	CHECK(steering_create(&run->steering, &host, log, run->options->steering ? &run->script : NULL));
+	live_steer(run->live, run->steering);
 	if (run->options->restart)
 		CHECK(steered_restore(run, log, continues));
 	if (run->options->paused)

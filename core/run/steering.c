@@ -382,7 +382,9 @@ static void wait_paused(struct steering *s)
 		struct steering_command save = {.verb = STEER_CHECKPOINT};
 		if (signals_take_checkpoint())
 			say(s, "%s", act(s, &save, -1, said) == STATUS_OK ? said : error_message());
-		look(s, WAIT_MS);
+		if (s->host.waits)
+			s->host.waits(s->host.data);
+		look(s, s->n_queue > 0 || !steering_paused(s) ? 0 : WAIT_MS); /* they may have said something */
 		apply_all(s);
 	}
 	s->pause_time += clock_seconds() - start;

@@ -72,6 +72,8 @@ struct steering_host {
 	int (*act)(void *data, struct steering_command *command, long long since, char said[STEERING_SAID]);
 	void (*say)(void *data, const char *text); /* to the run's log */
 	void (*describe)(void *data, FILE *to);    /* what steering itself does not know */
+	/* During a pause, each time that something may have changed: those who watch see it.  NULL = nobody does. */
+	void (*waits)(void *data);
 };
 
 /* A log to be repeated: steering.csv of another run. */

@@ -133,6 +133,14 @@ const char *viewer_program(void)
 	return NULL;
 }
 
+bool viewer_has_catalyst(void)
+{
+	char path[PATH_MAX];
+	const char *program = viewer_program(), *name = program ? strrchr(program, '/') : NULL;
+	int length = name ? snprintf(path, sizeof path, "%.*stmdempm-catalyst.so", (int)(name + 1 - program), program) : -1;
+	return length > 0 && length < (int)sizeof path && access(path, R_OK) == 0;
+}
+
 /* ---- memory: slots in one anonymous file; a slot that must grow moves to the file's end ---- */
 
 static int memory_create(struct viewer *viewer)

@@ -105,4 +105,7 @@ int viewer_finish(struct viewer *viewer);
 /* The viewer's executable: $TMDEMPM_VIEWER, or tmdempm-viewer beside this program (or in ../bin); NULL if none. */
 const char *viewer_program(void);
 
+/* Does it have its module for scripts and live connections, tmdempm-catalyst.so beside it? */
+bool viewer_has_catalyst(void);
+
 #endif

@@ -1,5 +1,6 @@
 /* Those who look at a run: pictures, scripts, a live ParaView.  One frame serves all that want one at a step. */
 #include "base/error.h"
+#include "run/frame_build.h"
 #include "run/run_private.h"
 
 static struct sink *watch_sink(const struct run *run, int k)
@@ -30,6 +31,21 @@ void watch_show(struct run *run, unsigned due, const void *frame, int64_t bytes,
 		images_draw(run->images, frame, bytes, run->mpm->step, last);
 	if (due & WATCH_SCRIPTS)
 		scripts_give(run->scripts, frame, bytes, last);
+}
+
+int watch_wait(struct run *run)
+{
+	const void *frame;
+	int64_t bytes;
+	double begun = clock_seconds();
+	bool seen = run->waited_step == run->mpm->step && run->waited_commands == steering_count(run->steering);
+	if (seen || !live_ready(run->live))
+		return STATUS_OK;
+	CHECK(frame_build(run->builder, run->mpm, run->fields, run->inspected, &frame, &bytes));
+	live_offer(run->live, frame, bytes, false, clock_seconds() - begun);
+	run->waited_step = run->mpm->step;
+	run->waited_commands = steering_count(run->steering);
+	return STATUS_OK;
 }
 
 void watch_flush(struct run *run)

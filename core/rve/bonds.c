@@ -9,10 +9,12 @@ void rve_install_bonds(const struct rve_model *model, void *state)
 	if (head->flags & (RVE_GAS | RVE_FROZEN) || !(model->params.bond_strength > 0.0))
 		return;
 	head->bonds_intact = 0;
-	for (int level = 0; level < head->levels; level++)
-		for (int row = 0; row < head->level_rows[level]; row++) {
+	for (int level = 0; level < layout->levels; level++)
+		for (int row = 0; row < layout->n; row++) {
 			struct rve_contact contact;
-			int p = head->level_first[level] + row;
+			const int p = rve_slot(layout, state, row, level);
+			if (p < 0)
+				continue;
 			if (rve_inspect_slot(model, state, row, p, &contact) && contact.normal_force > 0.0)
 				flag[p] = BOND_INTACT;
 			head->bonds_intact += flag[p] == BOND_INTACT;
@@ -26,7 +28,8 @@ void rve_melt_bonds(const struct rve_model *model, void *state, double T)
 	unsigned char *flag = (unsigned char *)state + model->layout.flag;
 	if (head->bonds_intact == 0 || !(T > model->params.bond_melting))
 		return;
-	for (int p = 0; p < head->level_first[head->levels]; p++)
+	const int slots = model->packed ? model->layout.pairs : head->level_first[head->levels];
+	for (int p = 0; p < slots; p++)
 		flag[p] = flag[p] == BOND_INTACT ? BOND_BROKEN : flag[p];
 	head->bonds_intact = 0;
 }

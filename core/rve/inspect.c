@@ -16,16 +16,14 @@ static void inspect_disc(const struct rve_model *model, const unsigned char *sta
 {
 	const struct rve_layout *layout = &model->layout;
 	const struct rve_head *head = (const struct rve_head *)state;
-	const real *s = (const real *)(state + layout->disc) + row;
 	const real32 *t = (const real32 *)(state + layout->disc32) + row;
-	double x = wrapped(s[DISC_SX * layout->stride]), y = wrapped(s[DISC_SY * layout->stride]);
-	double qx = s[DISC_SX * layout->stride] - (double)t[DISC32_REF_X * layout->stride];
-	double qy = s[DISC_SY * layout->stride] - (double)t[DISC32_REF_Y * layout->stride];
+	double x = wrapped(rve_place(layout, state, row, 0)), y = wrapped(rve_place(layout, state, row, 1));
+	double qx = rve_way(layout, state, row, 0), qy = rve_way(layout, state, row, 1);
 	const double *H = head->H;
 	disc->x = H[0] * x + H[1] * y;
 	disc->y = H[2] * x + H[3] * y;
 	disc->radius =
-		model->variants[head->variant].table[TABLE_R * layout->stride + ((const index16 *)(state + layout->id))[row]] *
+		model->variants[head->variant].table[TABLE_R * model->serial.stride + ((const index16 *)(state + layout->id))[row]] *
 		(1.0 + model->params.expansion * head->temperature);
 	disc->displacement[0] = (double)t[DISC32_UX * layout->stride] + H[0] * qx + H[1] * qy;
 	disc->displacement[1] = (double)t[DISC32_UY * layout->stride] + H[2] * qx + H[3] * qy;
@@ -33,11 +31,14 @@ static void inspect_disc(const struct rve_model *model, const unsigned char *sta
 	disc->contacts = 0;
 }
 
-/* From disc i to the nearest image of j, m, and that image's shift. */
-static void inspect_branch(const double H[4], const real *s, int stride, int i, int j, int shift[2], double *bx,
-						   double *by)
+/* From the disc in row i to the nearest image of the one in row j, m, and that image's shift. */
+static void inspect_branch(const struct rve_model *model, const unsigned char *state, int i, int j, int shift[2],
+						   double *bx, double *by)
 {
-	double sx = wrapped(s[j]) - wrapped(s[i]), sy = wrapped(s[stride + j]) - wrapped(s[stride + i]);
+	const struct rve_layout *layout = &model->layout;
+	const double *H = ((const struct rve_head *)state)->H;
+	double sx = wrapped(rve_place(layout, state, j, 0)) - wrapped(rve_place(layout, state, i, 0));
+	double sy = wrapped(rve_place(layout, state, j, 1)) - wrapped(rve_place(layout, state, i, 1));
 	double kx = -rint(sx), ky = -rint(sy);
 	*bx = H[0] * (sx + kx) + H[1] * (sy + ky), *by = H[2] * (sx + kx) + H[3] * (sy + ky);
 	shift[0] = (int)kx, shift[1] = (int)ky;
@@ -65,14 +66,14 @@ int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, 
 	inspect_disc(model, state, i, &a);
 	inspect_disc(model, state, j, &b);
 	double bx, by;
-	inspect_branch(head->H, (const real *)(state + layout->disc), layout->stride, i, j, contact->shift, &bx, &by);
+	inspect_branch(model, state, i, j, contact->shift, &bx, &by);
 	double overlap = a.radius + b.radius - sqrt(bx * bx + by * by);
 	int bond = head->bonds_installed > 0 ? state[layout->flag + p] : BOND_NONE;
 	if (!(overlap > 0.0) && bond != BOND_INTACT)
 		return 0;
 	double normal = model->params.kn * overlap + (double)((const real32 *)(state + layout->fd))[p];
 	normal = bond == BOND_INTACT ? normal : fmax(0.0, normal);
-	double tangential = ((const real *)(state + layout->ft))[p], cap = model->params.mu * normal;
+	double tangential = rve_tangential(layout, state, p), cap = model->params.mu * normal;
 	contact->i = id[i];
 	contact->j = id[j];
 	contact->ends[0][0] = a.x, contact->ends[0][1] = a.y;
@@ -95,15 +96,15 @@ int rve_inspect(const struct rve_model *model, const void *state, struct rve_dis
 				int capacity)
 {
 	const unsigned char *bytes = state;
-	const struct rve_head *head = state;
 	const index16 *id = (const index16 *)(bytes + model->layout.id);
 	int n = 0;
 	for (int i = 0; discs && i < model->layout.n; i++)
 		inspect_disc(model, bytes, i, &discs[id[i]]);
-	for (int level = 0; level < head->levels; level++)
-		for (int row = 0; row < head->level_rows[level]; row++) {
+	for (int level = 0; level < model->layout.levels; level++)
+		for (int row = 0; row < model->layout.n; row++) {
 			struct rve_contact contact;
-			if (!rve_inspect_slot(model, bytes, row, head->level_first[level] + row, &contact))
+			const int slot = rve_slot(&model->layout, state, row, level);
+			if (slot < 0 || !rve_inspect_slot(model, bytes, row, slot, &contact))
 				continue;
 			if (discs) {
 				discs[contact.i].contacts++;
@@ -122,7 +123,6 @@ static int inspect_parted_slot(const struct rve_model *model, const unsigned cha
 {
 	const struct rve_layout *layout = &model->layout;
 	const struct rve_head *head = (const struct rve_head *)state;
-	const real *s = (const real *)(state + layout->disc);
 	const index16 *id = (const index16 *)(state + layout->id);
 	int j = ((const index16 *)(state + layout->pair_j))[p];
 	struct rve_disc a, b;
@@ -131,7 +131,7 @@ static int inspect_parted_slot(const struct rve_model *model, const unsigned cha
 	inspect_disc(model, state, i, &a);
 	inspect_disc(model, state, j, &b);
 	double bx, by;
-	inspect_branch(head->H, s, layout->stride, i, j, contact->shift, &bx, &by);
+	inspect_branch(model, state, i, j, contact->shift, &bx, &by);
 	if (a.radius + b.radius > hypot(bx, by))
 		return 0;
 	contact->i = id[i], contact->j = id[j], contact->bond = BOND_BROKEN;
@@ -144,11 +144,12 @@ static int inspect_parted_slot(const struct rve_model *model, const unsigned cha
 
 int rve_inspect_parted(const struct rve_model *model, const void *state, struct rve_contact *contacts, int capacity)
 {
-	const struct rve_head *head = state;
 	int n = 0;
-	for (int level = 0; level < head->levels; level++)
-		for (int row = 0; row < head->level_rows[level] && n < capacity; row++)
-			n += inspect_parted_slot(model, state, row, head->level_first[level] + row, &contacts[n]);
+	for (int level = 0; level < model->layout.levels; level++)
+		for (int row = 0; row < model->layout.n && n < capacity; row++) {
+			const int slot = rve_slot(&model->layout, state, row, level);
+			n += slot >= 0 && inspect_parted_slot(model, state, row, slot, &contacts[n]);
+		}
 	return n;
 }
 
@@ -167,9 +168,9 @@ unsigned long long rve_packings_hash(const struct rve_model *model)
 {
 	uint64_t hash = UINT64_C(14695981039346656037);
 	for (int v = 0; v < model->n_variants; v++) {
-		hash = hash_bytes(hash, model->variants[v].table + TABLE_R * model->layout.stride,
+		hash = hash_bytes(hash, model->variants[v].table + TABLE_R * model->serial.stride,
 						  sizeof(real) * (size_t)model->layout.n);
-		hash = hash_bytes(hash, model->variants[v].start, (size_t)model->layout.bytes);
+		hash = hash_bytes(hash, model->variants[v].serial_start, (size_t)model->serial.bytes);
 	}
 	return hash;
 }

@@ -20,46 +20,7 @@
 #ifndef TMDEMPM_RVE_KERNEL_H
 #define TMDEMPM_RVE_KERNEL_H
 
-#include "rve/state.h"
-
-enum {
-	/* sums over all sub-steps of the call */
-	LANE_WORK,
-	LANE_EXPANSION,
-	LANE_FRICTION,
-	LANE_DASHPOT,
-	LANE_BOND,
-	LANE_KINETIC_WORK,
-	/* of the last configuration */
-	LANE_CALL_FIELDS,
-	LANE_SXX = LANE_CALL_FIELDS,
-	LANE_SYY,
-	LANE_SXY,
-	LANE_LXX,
-	LANE_LYY,
-	LANE_LXY,
-	LANE_N40,
-	LANE_N04,
-	LANE_N22,
-	LANE_N31,
-	LANE_N13,
-	LANE_OVERLAP_FORCE,
-	LANE_ELASTIC,
-	LANE_CONTACTS,
-	LANE_BONDS,
-	LANE_SLIDING,
-	LANE_FORCE,
-	LANE_VXX,
-	LANE_VYY,
-	LANE_VXY,
-	LANE_KINETIC,
-	LANE_UNBALANCED,
-	LANE_SUMS,
-	LANE_OVERLAP = LANE_SUMS,
-	LANE_DISPLACEMENT,
-	LANE_SECOND, /* largest, not summed */
-	LANE_FIELDS
-};
+#include "rve/kernel_common.h"
 
 /* Scratch arrays: over rows, over slots (where contact forces are left for j), whole numbers. */
 enum {
@@ -134,7 +95,6 @@ struct rve_place {
 #define STATE_ENTRY(level) ((GLOBAL index16 *)(at->state + at->layout->entry) + (level)*at->layout->stride)
 
 #include "rve/kernel_bonds.h"
-#include "rve/kernel_cell.h"
 #include "rve/kernel_neighbours.h"
 #include "rve/kernel_step.h"
 

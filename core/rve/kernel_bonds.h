@@ -5,19 +5,10 @@
  * sub-step has stretched beyond that are broken before a new list is made (bonds_tear).  So every intact bond is in
  * every list. */
 
-/* Force that no bond reaches, for measuring: a state is measured without changing it. */
-#define BOND_UNBREAKABLE 1e300
-
-/* beta(T) of eq. 40: a step at T_c, or linear below it.  Above T_c nothing holds, however it is pressed. */
+/* What bonds bear at the temperature of this sub-step. */
 THREADFN void bonds_soften(const struct rve_place *at)
 {
-	SHARED struct rve_block *block = at->block;
-	const struct rve_constants *c = at->constants;
-	const real T = block->bond_temperature;
-	real share = c->bond_slope > 0.0 ? real_min((c->bond_melting - T) * c->bond_slope, 1.0) : 1.0;
-	block->bond_force = T > c->bond_melting ? -BOND_UNBREAKABLE : c->bond_force * share;
-	if (at->call->sub_steps == 0)
-		block->bond_force = BOND_UNBREAKABLE;
+	at->block->bond_force = bond_bears(at->constants, at->block->bond_temperature, at->call->sub_steps);
 }
 
 BLOCKFN void bonds_load(const struct rve_place *at)

@@ -1,4 +1,8 @@
-/* The periodic cell: inverse, widths, re-basing.  Included by kernel.h only. */
+/* The periodic cell: inverse, motion, widths, re-basing. */
+#ifndef TMDEMPM_RVE_KERNEL_CELL_H
+#define TMDEMPM_RVE_KERNEL_CELL_H
+
+#include "rve/dialect.h"
 
 THREADFN void matrix_invert(const real *H, real *H_inv)
 {
@@ -14,6 +18,14 @@ THREADFN void cell_invert(const SHARED real *H, SHARED real *H_inv)
 	matrix_invert(h, inverse);
 	for (int k = 0; k < 4; k++)
 		H_inv[k] = inverse[k];
+}
+
+/* H <- A H */
+THREADFN void cell_step(const real *A, SHARED real *H)
+{
+	real xx = A[0] * H[0] + A[1] * H[2], xy = A[0] * H[1] + A[1] * H[3];
+	real yx = A[2] * H[0] + A[3] * H[2], yy = A[2] * H[1] + A[3] * H[3];
+	H[0] = xx, H[1] = xy, H[2] = yx, H[3] = yy;
 }
 
 THREADFN real cell_volume(const SHARED real *H, real thickness) { return (H[0] * H[3] - H[1] * H[2]) * thickness; }
@@ -56,3 +68,5 @@ THREADFN real cell_least_width(const SHARED real *H)
 	real aa = H[0] * H[0] + H[2] * H[2], bb = H[1] * H[1] + H[3] * H[3];
 	return (H[0] * H[3] - H[1] * H[2]) / real_sqrt(real_max(aa, bb));
 }
+
+#endif

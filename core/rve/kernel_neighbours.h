@@ -19,11 +19,7 @@ BLOCKFN int neighbours_valid(const struct rve_place *at)
 		}
 		SYNC();
 	}
-	const real r_max = at->constants->r_max;
-	real stretch = real_min(cell_least_stretch(block->head.H, block->head.H_ref), 1.0);
-	real reach = stretch * (2.0 * r_max * block->head.scale_ref + at->constants->skin);
-	real scale = real_max(block->scale, stretch * block->head.scale_ref);
-	return reach - real_sqrt(most[0]) - real_sqrt(second[0]) >= 2.0 * r_max * scale;
+	return list_valid(&block->head, at->constants, block->scale, real_sqrt(most[0]), real_sqrt(second[0]));
 }
 
 /* Ends the stretch of motion since the last build: its displacement is booked, the cell reduced. */

@@ -11,12 +11,8 @@ BLOCKFN void move(const struct rve_place *at)
 	SYNC();
 	ONE_THREAD
 	{
-		SHARED real *H = block->head.H;
-		const real *A = call->A;
-		real xx = A[0] * H[0] + A[1] * H[2], xy = A[0] * H[1] + A[1] * H[3];
-		real yx = A[2] * H[0] + A[3] * H[2], yy = A[2] * H[1] + A[3] * H[3];
-		H[0] = xx, H[1] = xy, H[2] = yx, H[3] = yy;
-		cell_invert(H, block->H_inv);
+		cell_step(call->A, block->head.H);
+		cell_invert(block->head.H, block->H_inv);
 		block->head.temperature += call->heating;
 		block->scale = 1.0 + at->constants->expansion * block->head.temperature;
 		block->bond_temperature += call->heating;
@@ -291,16 +287,6 @@ BLOCKFN void lanes_sum(SHARED struct rve_block *block)
 	}
 }
 
-/* Upper bound over all directions of the stiffness against uniaxial strain: mean and the two harmonics. */
-THREADFN real stiffest(const SHARED real *C)
-{
-	real xxxx = C[0], yyyy = C[1], mixed = C[2] + 2.0 * C[3], xxxy = C[4], yyxy = C[5];
-	real mean = (3.0 * (xxxx + yyyy) + 2.0 * mixed) * 0.125;
-	real c2 = 0.5 * (xxxx - yyyy), s2 = xxxy + yyxy;
-	real c4 = (xxxx + yyyy - 2.0 * mixed) * 0.125, s4 = 0.5 * (xxxy - yyxy);
-	return mean + real_sqrt(c2 * c2 + s2 * s2) + real_sqrt(c4 * c4 + s4 * s4);
-}
-
 /* Stress, conductivity, elasticity and ledgers from the sums. */
 BLOCKFN void homogenise(const struct rve_place *at)
 {
@@ -309,54 +295,10 @@ BLOCKFN void homogenise(const struct rve_place *at)
 	lanes_sum(block);
 	ONE_THREAD
 	{
-		SHARED struct rve_head *head = &block->head;
-		const struct rve_constants *c = at->constants;
-		const real *D = at->call->D;
-		real total[LANE_FIELDS];
-		for (int q = 0; q < LANE_FIELDS; q++)
+		real total[LANE_TOTALS];
+		for (int q = 0; q < LANE_TOTALS; q++)
 			total[q] = block->lanes[q][0];
-		real v = 1.0 / cell_volume(head->H, c->thickness);
-		if (at->call->sub_steps > 0) {
-			/* trapezoid: the sums hold every configuration after a sub-step whole, the first one not at all */
-			real first = head->contact_sum[0] * D[0] + head->contact_sum[1] * D[1] + 2.0 * head->contact_sum[2] * D[2];
-			real final = total[LANE_SXX] * D[0] + total[LANE_SYY] * D[1] + 2.0 * total[LANE_SXY] * D[2];
-			head->ledger[LEDGER_WORK] += total[LANE_WORK] + total[LANE_KINETIC_WORK] + 0.5 * (final - first);
-			real grown = total[LANE_EXPANSION] + 0.5 * (head->expansion_sum - total[LANE_OVERLAP_FORCE]);
-			head->ledger[LEDGER_EXPANSION] += grown * block->scale_step;
-			head->ledger[LEDGER_FRICTION] += 0.5 / c->ks * total[LANE_FRICTION];
-			head->ledger[LEDGER_DASHPOT] += 0.5 * total[LANE_DASHPOT];
-			head->ledger[LEDGER_BOND] += total[LANE_BOND];
-		}
-		head->ledger[LEDGER_ELASTIC] = total[LANE_ELASTIC];
-		head->ledger[LEDGER_KINETIC] = total[LANE_KINETIC];
-		head->contact_sum[0] = total[LANE_SXX];
-		head->contact_sum[1] = total[LANE_SYY];
-		head->contact_sum[2] = total[LANE_SXY];
-		head->expansion_sum = total[LANE_OVERLAP_FORCE];
-		head->stress[0] = -v * (total[LANE_SXX] + total[LANE_VXX]);
-		head->stress[1] = -v * (total[LANE_SYY] + total[LANE_VYY]);
-		head->stress[2] = 0.0;
-		head->stress[3] = -v * (total[LANE_SXY] + total[LANE_VXY]);
-		for (int k = 0; k < 3; k++)
-			head->conductivity[k] = total[LANE_LXX + k] * v / c->resistance;
-		real n40 = total[LANE_N40] * v, n04 = total[LANE_N04] * v, n22 = total[LANE_N22] * v;
-		real n31 = total[LANE_N31] * v, n13 = total[LANE_N13] * v;
-		head->tensor[0] = c->kn * n40 + c->ks * n22;
-		head->tensor[1] = c->kn * n04 + c->ks * n22;
-		head->tensor[2] = (c->kn - c->ks) * n22;
-		head->tensor[3] = c->kn * n22 + 0.25 * c->ks * (n40 + n04 - 2.0 * n22);
-		head->tensor[4] = c->kn * n31 - 0.5 * c->ks * (n31 - n13);
-		head->tensor[5] = c->kn * n13 + 0.5 * c->ks * (n31 - n13);
-		head->modulus = stiffest(head->tensor);
-		head->contacts = total[LANE_CONTACTS];
-		head->sliding = total[LANE_SLIDING];
-		head->max_overlap = total[LANE_OVERLAP];
-		head->unbalanced = total[LANE_FORCE] > 0.0
-							   ? total[LANE_UNBALANCED] / at->layout->n * total[LANE_CONTACTS] / total[LANE_FORCE]
-							   : 0.0;
-		head->bonds_intact = (int)total[LANE_BONDS];
-		head->total_sub_steps += at->call->sub_steps;
-		head->sub_steps = at->call->sub_steps;
+		head_from_totals(&block->head, at->constants, at->call, at->layout->n, block->scale_step, total);
 	}
 	SYNC();
 }

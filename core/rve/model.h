@@ -10,8 +10,10 @@ typedef void rve_kernel(const struct rve_layout *, const struct rve_constants *,
 						GLOBAL const real *, GLOBAL unsigned char *, LOCAL unsigned char *, int *);
 
 struct rve_variant {
-	real *table;          /* TABLE_FIELDS disc arrays */
-	unsigned char *start; /* the state at birth */
+	real *table;                 /* TABLE_FIELDS disc arrays */
+	unsigned char *packed_table; /* packed paths: PACKED_TABLE numbers for each disc and the ghost */
+	unsigned char *serial_start; /* the state at birth, as the serial kernel makes it */
+	unsigned char *start;        /* the same for this model's path */
 	double volume;        /* m3 */
 	double solid_area;    /* m2, sum pi r^2 at the reference temperature */
 	double void_ratio;
@@ -19,14 +21,17 @@ struct rve_variant {
 
 struct rve_model {
 	struct rve_params params;
-	struct rve_layout layout;
+	struct rve_layout layout; /* of its states */
+	struct rve_layout serial; /* the same on the serial path */
 	struct rve_constants constants;
 	double diameter; /* m, mean */
 	int n_variants, n_threads;
 	struct rve_variant *variants;
 	rve_kernel *kernel;
+	rve_packed_kernel *packed; /* NULL on the serial path */
 	unsigned char *scratch; /* for each thread: the kernel's, then room for one state */
 	size_t scratch_stride;
+	int kept; /* where in it that room begins */
 };
 
 /* Name of the instruction set that the kernel runs on: "base", "v3", "v4".  The best that the processor has;
@@ -62,7 +67,6 @@ struct rve_outcome {
 	double value;
 };
 
-
 /* One RVE of a batch on this thread, as rve_advance() does it. */
 struct rve_motion rve_batch_motion(const struct rve_batch *batch, int k);
 struct rve_outcome rve_advance_one(const struct rve_model *model, void *state, unsigned char *scratch,
@@ -80,6 +84,22 @@ int rve_report_failure(const struct rve_params *params, int number, struct rve_o
 int rve_is_plain(const struct rve_model *model, const struct rve_head *head, const struct rve_motion *motion);
 struct rve_call rve_begin(const struct rve_model *model, struct rve_head *head, const struct rve_motion *motion);
 struct rve_outcome rve_end(const struct rve_model *model, struct rve_head *head, int status);
+
+/* Between the states of the serial path and those of the model's, a packed one.  Unpacked states have no entries: the
+ * serial kernel goes on from them with a new list.  `rows`: room for 2 n numbers. */
+void rve_packed_table(const struct rve_model *model, const real *table, unsigned char *packed);
+void rve_pack(const struct rve_model *model, const void *serial_state, void *packed_state);
+void rve_unpack(const struct rve_model *model, const void *packed_state, void *serial_state, index16 *rows);
+
+/* What a state of either layout holds. */
+double rve_place(const struct rve_layout *layout, const void *state, int row, int axis); /* cell coordinate */
+/* What the coordinate has changed by since the list was made. */
+double rve_way(const struct rve_layout *layout, const void *state, int row, int axis);
+double rve_tangential(const struct rve_layout *layout, const void *state, int slot); /* N */
+/* Turns the discs' velocities. */
+void rve_rotate_velocities(const struct rve_layout *layout, void *state, const double R[4]);
+/* The slot of the pair number `level` that a row owns, -1 if there is none. */
+int rve_slot(const struct rve_layout *layout, const void *state, int row, int level);
 
 /* Fills a contact between the discs of slot p and the row that owns it; 0 if they neither touch nor are bonded. */
 int rve_inspect_slot(const struct rve_model *model, const unsigned char *state, int row, int p,

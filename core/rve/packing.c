@@ -205,6 +205,7 @@ static int random_packing(struct rve_packing **packing, const struct rve_packing
 						  const struct rve_params *grains, double mu)
 {
 	struct rve_params consolidation = *grains;
+	consolidation.path = RVE_SERIAL;
 	consolidation.mu = mu;
 	consolidation.damping_ratio = 0.2;
 	struct rve_packing *loose = rve_packing_alloc(how->discs, 0);

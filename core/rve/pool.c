@@ -185,6 +185,13 @@ int rve_pool_create(struct rve_pool **pool, const struct rve_model *model, unsig
 	*pool = NULL;
 	note[0] = '\0';
 	CHECK(rve_devices_check(devices));
+	if (model->packed && strcmp(devices, "auto") != 0)
+		return error_set(STATUS_INPUT,
+						 "--device %s: devices compute what the path \"serial\" does, the scene asks for \"%s\": leave out "
+						 "rve.path or the device",
+						 devices, rve_path_name(model->params.path));
+	if (model->packed)
+		return say(note, note_bytes, "cpu (devices have no path \"%s\")", rve_path_name(model->params.path)), STATUS_OK;
 	struct rve_pool *p = calloc(1, sizeof *p);
 	if (!p)
 		return error_set(STATUS_RESOURCE, "out of memory for %d RVEs", n);

@@ -17,7 +17,8 @@ static const struct rve_motion rest; /* for measuring */
 
 void rve_params_default(struct rve_params *params)
 {
-	*params = (struct rve_params){.kn = 1e6,
+	*params = (struct rve_params){.path = RVE_SERIAL,
+								  .kn = 1e6,
 								  .ks = 1e6,
 								  .mu = 0.5,
 								  .damping_ratio = 0.2,
@@ -39,6 +40,12 @@ void rve_params_default(struct rve_params *params)
 								  .bond_reference = NAN,
 								  .step_guard = 1,
 								  .overlap_max = 0.5};
+}
+
+const char *rve_path_name(int path)
+{
+	static const char *const names[] = {"serial", "simd", "single"};
+	return names[path];
 }
 
 double rve_step_factor_limit(const struct rve_params *params)
@@ -98,16 +105,43 @@ static int layout_make(struct rve_layout *layout, int n, double skin, double r_m
 	return STATUS_OK;
 }
 
+/* The layout of packed states for the discs of a serial one. */
+static void layout_pack(struct rve_layout *layout, const struct rve_layout *serial, int single)
+{
+	const int lanes = single ? 16 : 8, number = single ? (int)sizeof(real32) : (int)sizeof(real);
+	*layout = *serial;
+	layout->lanes = lanes;
+	layout->single = single;
+	layout->stride = (serial->n + lanes - 1) / lanes * lanes;
+	layout->pairs = (serial->pairs + 2 * lanes * serial->levels + lanes - 1) / lanes * lanes; /* blocks are less even */
+	layout->pair_stride = layout->pairs;
+	int end = sizeof(struct rve_head);
+	layout->disc = place_array(&end, number * (single ? PACKED_FIELDS : PACKED_REST_X) * layout->stride);
+	layout->disc32 = place_array(&end, (int)sizeof(real32) * DISC32_FIELDS * layout->stride);
+	layout->ft = place_array(&end, number * layout->pairs);
+	layout->fd = place_array(&end, (int)sizeof(real32) * layout->pairs);
+	layout->damping = place_array(&end, (int)sizeof(real32) * layout->pairs);
+	layout->pair_j = place_array(&end, (int)sizeof(index16) * layout->pairs);
+	layout->id = place_array(&end, (int)sizeof(index16) * layout->stride);
+	layout->flag = place_array(&end, layout->pairs);
+	layout->first = place_array(&end, (int)sizeof(index16) * (layout->stride / lanes + 1));
+	layout->entry = 0;
+	layout->bytes = (end + 63) / 64 * 64;
+	layout->scratch = single ? rve_packed32_scratch(layout) : rve_packed64_scratch(layout);
+}
+
 static int variant_tables(const struct rve_model *model, struct rve_variant *variant, const struct rve_packing *packing)
 {
-	const struct rve_layout *layout = &model->layout;
+	const struct rve_layout *layout = &model->serial;
 	size_t table_bytes = sizeof(real) * TABLE_FIELDS * (size_t)layout->stride;
 	variant->table = aligned_alloc(64, (table_bytes + 63) / 64 * 64);
-	variant->start = aligned_alloc(64, (size_t)layout->bytes);
-	if (!variant->table || !variant->start)
+	variant->serial_start = aligned_alloc(64, (size_t)layout->bytes);
+	variant->start = aligned_alloc(64, (size_t)model->layout.bytes);
+	variant->packed_table = aligned_alloc(64, (sizeof(real) * PACKED_TABLE * (size_t)(layout->n + 1) + 63) / 64 * 64);
+	if (!variant->table || !variant->serial_start || !variant->start || !variant->packed_table)
 		return error_set(STATUS_RESOURCE, "out of memory for an RVE of %d discs", layout->n);
 	memset(variant->table, 0, table_bytes);
-	memset(variant->start, 0, (size_t)layout->bytes);
+	memset(variant->serial_start, 0, (size_t)layout->bytes);
 	variant->solid_area = 0.0;
 	for (int i = 0; i < layout->n; i++) {
 		double r = packing->r[i], area = pi * r * r,
@@ -139,10 +173,10 @@ static real *state_discs(const struct rve_layout *layout, const void *state, int
 static void variant_forces(const struct rve_layout *layout, struct rve_variant *variant,
 						   const struct rve_packing *packing)
 {
-	const struct rve_head *head = head_of(variant->start);
-	const index16 *pair_j = (const index16 *)(variant->start + layout->pair_j),
-				  *id = (const index16 *)(variant->start + layout->id);
-	real *ft = (real *)(variant->start + layout->ft);
+	const struct rve_head *head = head_of(variant->serial_start);
+	const index16 *pair_j = (const index16 *)(variant->serial_start + layout->pair_j),
+				  *id = (const index16 *)(variant->serial_start + layout->id);
+	real *ft = (real *)(variant->serial_start + layout->ft);
 	for (int level = 0; level < head->levels; level++)
 		for (int row = 0; row < head->level_rows[level]; row++) {
 			int p = head->level_first[level] + row, a = id[row], b = id[pair_j[p]];
@@ -153,11 +187,36 @@ static void variant_forces(const struct rve_layout *layout, struct rve_variant *
 		}
 }
 
+static struct rve_call call_of(const struct rve_motion *motion, int sub_steps, int rebuild)
+{
+	struct rve_call call = {.sub_steps = sub_steps, .rebuild = rebuild, .temperature = motion->T - motion->dT};
+	const double *L = motion->L;
+	double h = sub_steps > 0 ? motion->duration / sub_steps : 0.0;
+	double spin = 0.5 * (L[1] - L[2]) * h;
+	double increment[4] = {L[0] * h, L[1] * h, L[2] * h, L[3] * h}, rotation[4] = {0.0, spin, -spin, 0.0};
+	mat2_exp(increment, call.A);
+	mat2_exp(rotation, call.B);
+	call.D[0] = L[0] * h, call.D[1] = L[3] * h, call.D[2] = 0.5 * (L[1] + L[2]) * h;
+	call.B[0] -= call.D[0], call.B[1] -= call.D[2], call.B[2] -= call.D[2], call.B[3] -= call.D[1];
+	call.heating = sub_steps > 0 ? motion->dT / sub_steps : 0.0;
+	return call;
+}
+
+/* A state of the serial path as it is, with a new list if asked for. */
+static int measure_serial(const struct rve_model *model, void *state, int rebuild)
+{
+	const struct rve_call call = call_of(&rest, 0, rebuild);
+	int status = KERNEL_OK;
+	model->kernel(&model->serial, &model->constants, &call, model->variants[head_of(state)->variant].table, state,
+				  rve_scratch(model, 0), &status);
+	return status;
+}
+
 static int variant_start(struct rve_model *model, int number, const struct rve_packing *packing)
 {
-	const struct rve_layout *layout = &model->layout;
+	const struct rve_layout *layout = &model->serial;
 	struct rve_variant *variant = &model->variants[number];
-	struct rve_head *head = head_of(variant->start);
+	struct rve_head *head = head_of(variant->serial_start);
 	double inverse[4];
 	mat2_inverse(packing->H, inverse);
 	for (int k = 0; k < 4; k++)
@@ -166,14 +225,13 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	head->variant = number;
 	for (int i = 0; i < layout->n; i++) {
 		const double *x = packing->x[i];
-		((index16 *)(variant->start + layout->id))[i] = (index16)i;
-		state_discs(layout, variant->start, DISC_SX)[i] = inverse[0] * x[0] + inverse[1] * x[1];
-		state_discs(layout, variant->start, DISC_SY)[i] = inverse[2] * x[0] + inverse[3] * x[1];
+		((index16 *)(variant->serial_start + layout->id))[i] = (index16)i;
+		state_discs(layout, variant->serial_start, DISC_SX)[i] = inverse[0] * x[0] + inverse[1] * x[1];
+		state_discs(layout, variant->serial_start, DISC_SY)[i] = inverse[2] * x[0] + inverse[3] * x[1];
 	}
 	for (int i = layout->n; i < layout->stride; i++)
-		((index16 *)(variant->start + layout->id))[i] = (index16)layout->n;
-	unsigned char *scratch = rve_scratch(model, 0);
-	int status = rve_sub_steps(model, variant->start, scratch, &rest, 0, 1);
+		((index16 *)(variant->serial_start + layout->id))[i] = (index16)layout->n;
+	int status = measure_serial(model, variant->serial_start, 1);
 	if (status == KERNEL_SLENDER)
 		return error_set(STATUS_INPUT,
 						 "the packing's cell is narrower than twice a disc's reach (%g m): more discs, "
@@ -182,9 +240,15 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	if (status != KERNEL_OK)
 		return error_set(STATUS_INPUT, "the packing's discs overlap too much to be neighbours");
 	variant_forces(layout, variant, packing);
-	rve_sub_steps(model, variant->start, scratch, &rest, 0, 0);
+	measure_serial(model, variant->serial_start, 0);
 	head->ledger[LEDGER_WORK] = head->ledger[LEDGER_ELASTIC] + head->ledger[LEDGER_KINETIC];
 	head->rebuilds = 0;
+	if (!model->packed) {
+		memcpy(variant->start, variant->serial_start, (size_t)layout->bytes);
+		return STATUS_OK;
+	}
+	rve_packed_table(model, variant->table, variant->packed_table);
+	rve_pack(model, variant->serial_start, variant->start);
 	return STATUS_OK;
 }
 
@@ -227,8 +291,12 @@ static int model_fill(struct rve_model *model, const struct rve_params *params, 
 							   .bond_mu = params->bond_mu,
 							   .bond_melting = params->bond_melting,
 							   .bond_slope = softening ? 1.0 / (params->bond_melting - params->bond_reference) : 0.0};
-	CHECK(layout_make(&model->layout, discs, params->skin, r_min, r_max));
-	model->scratch_stride = (size_t)(model->layout.scratch + model->layout.bytes);
+	CHECK(layout_make(&model->serial, discs, params->skin, r_min, r_max));
+	model->layout = model->serial;
+	if (model->packed)
+		layout_pack(&model->layout, &model->serial, params->path == RVE_SIMD_SINGLE);
+	model->kept = model->serial.scratch > model->layout.scratch ? model->serial.scratch : model->layout.scratch;
+	model->scratch_stride = (size_t)(model->kept + model->layout.bytes);
 	model->scratch = aligned_alloc(64, model->scratch_stride * (size_t)model->n_threads);
 	model->variants = calloc((size_t)n, sizeof *model->variants);
 	if (!model->scratch || !model->variants)
@@ -241,6 +309,26 @@ static int model_fill(struct rve_model *model, const struct rve_params *params, 
 	return STATUS_OK;
 }
 
+/* The compilations that this processor runs. */
+static void choose_kernels(struct rve_model *model)
+{
+	static rve_kernel *const kernels[] = {rve_kernel_base,
+#ifdef RVE_KERNEL_X86
+										  rve_kernel_v3, rve_kernel_v4
+#endif
+	};
+	static rve_packed_kernel *const packed[][2] = {{rve_packed64_base, rve_packed32_base},
+#ifdef RVE_KERNEL_X86
+												   {rve_packed64_v3, rve_packed32_v3},
+												   {rve_packed64_v4, rve_packed32_v4}
+#endif
+	};
+	const char *isa = rve_isa();
+	const int k = strcmp(isa, "v4") == 0 ? 2 : strcmp(isa, "v3") == 0 ? 1 : 0;
+	model->kernel = kernels[k];
+	model->packed = model->params.path == RVE_SERIAL ? NULL : packed[k][model->params.path == RVE_SIMD_SINGLE];
+}
+
 int rve_model_create(struct rve_model **model, const struct rve_params *params, int n,
 					 const struct rve_packing *const *packings)
 {
@@ -249,15 +337,9 @@ int rve_model_create(struct rve_model **model, const struct rve_params *params, 
 	*model = calloc(1, sizeof **model);
 	if (!*model)
 		return error_set(STATUS_RESOURCE, "out of memory for the RVE model");
-	const char *isa = rve_isa();
 	(*model)->params = *params;
 	(*model)->n_threads = omp_get_max_threads() > omp_get_num_procs() ? omp_get_max_threads() : omp_get_num_procs();
-	(*model)->kernel = rve_kernel_base;
-#ifdef RVE_KERNEL_X86
-	if (strcmp(isa, "base") != 0)
-		(*model)->kernel = strcmp(isa, "v4") == 0 ? rve_kernel_v4 : rve_kernel_v3;
-#endif
-	(void)isa;
+	choose_kernels(*model);
 	int status = model_fill(*model, params, n, packings);
 	if (status != STATUS_OK) {
 		rve_model_free(*model);
@@ -272,6 +354,8 @@ void rve_model_free(struct rve_model *model)
 		return;
 	for (int v = 0; v < model->n_variants; v++) {
 		free(model->variants[v].table);
+		free(model->variants[v].packed_table);
+		free(model->variants[v].serial_start);
 		free(model->variants[v].start);
 	}
 	free(model->variants);
@@ -286,6 +370,7 @@ unsigned char *rve_scratch(const struct rve_model *model, int thread)
 
 size_t rve_state_bytes(const struct rve_model *model) { return (size_t)model->layout.bytes; }
 int rve_discs(const struct rve_model *model) { return model->layout.n; }
+const char *rve_path(const struct rve_model *model) { return rve_path_name(model->params.path); }
 double rve_void_ratio(const struct rve_model *model, int variant) { return model->variants[variant].void_ratio; }
 double rve_time_step(const struct rve_model *model) { return model->constants.dt; }
 
@@ -299,28 +384,16 @@ int rve_init(const struct rve_model *model, int variant, void *state)
 
 /* ---- one RVE through one call ---- */
 
-static struct rve_call call_of(const struct rve_motion *motion, int sub_steps, int rebuild)
-{
-	struct rve_call call = {.sub_steps = sub_steps, .rebuild = rebuild, .temperature = motion->T - motion->dT};
-	const double *L = motion->L;
-	double h = sub_steps > 0 ? motion->duration / sub_steps : 0.0;
-	double spin = 0.5 * (L[1] - L[2]) * h;
-	double increment[4] = {L[0] * h, L[1] * h, L[2] * h, L[3] * h}, rotation[4] = {0.0, spin, -spin, 0.0};
-	mat2_exp(increment, call.A);
-	mat2_exp(rotation, call.B);
-	call.D[0] = L[0] * h, call.D[1] = L[3] * h, call.D[2] = 0.5 * (L[1] + L[2]) * h;
-	call.B[0] -= call.D[0], call.B[1] -= call.D[2], call.B[2] -= call.D[2], call.B[3] -= call.D[1];
-	call.heating = sub_steps > 0 ? motion->dT / sub_steps : 0.0;
-	return call;
-}
-
 enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,
 									 const struct rve_motion *motion, int sub_steps, int rebuild)
 {
+	const struct rve_variant *variant = &model->variants[head_of(state)->variant];
 	const struct rve_call call = call_of(motion, sub_steps, rebuild);
 	int status = KERNEL_OK;
-	model->kernel(&model->layout, &model->constants, &call, model->variants[head_of(state)->variant].table, state,
-				  scratch, &status);
+	if (model->packed)
+		model->packed(&model->layout, &model->constants, &call, variant->packed_table, state, scratch, &status);
+	else
+		model->kernel(&model->serial, &model->constants, &call, variant->table, state, scratch, &status);
 	return (enum rve_kernel_status)status;
 }
 
@@ -419,7 +492,8 @@ static int reseed(const struct rve_model *model, void *state, unsigned char *scr
 		head->H[k] *= stretch;
 		head->F[k] = kept.F[k];
 	}
-	memset((unsigned char *)state + layout->ft, 0, sizeof(real) * (size_t)layout->pairs);
+	memset((unsigned char *)state + layout->ft, 0,
+		   (layout->single ? sizeof(real32) : sizeof(real)) * (size_t)layout->pairs);
 	head->temperature = kept.temperature;
 	memcpy(head->ledger, kept.ledger, sizeof head->ledger);
 	memcpy(head->inertia, kept.inertia, sizeof head->inertia);
@@ -449,12 +523,7 @@ static void frozen_advance(const struct rve_model *model, void *state, const str
 	mat2_exp(rotation, R);
 	mat2_multiply(R, head->H, head->H);
 	mat2_multiply(R, head->H_ref, head->H_ref);
-	real *vx = state_discs(&model->layout, state, DISC_VX), *vy = state_discs(&model->layout, state, DISC_VY);
-	for (int i = 0; i < model->layout.n; i++) {
-		double x = vx[i], y = vy[i];
-		vx[i] = R[0] * x + R[1] * y;
-		vy[i] = R[2] * x + R[3] * y;
-	}
+	rve_rotate_velocities(&model->layout, state, R);
 	rotate_tensor(&head->stress[0], &head->stress[1], &head->stress[3], R);
 	rotate_tensor(&head->contact_sum[0], &head->contact_sum[1], &head->contact_sum[2], R);
 	rotate_tensor(&head->conductivity[0], &head->conductivity[1], &head->conductivity[2], R);
@@ -583,7 +652,7 @@ struct rve_outcome rve_advance_one(const struct rve_model *model, void *state, u
 	if (strain > strain_most)
 		return (struct rve_outcome){OUTCOME_STRAIN, strain};
 	int sub_steps = plan_sub_steps(model, head, &motion);
-	unsigned char *kept = scratch + model->layout.scratch;
+	unsigned char *kept = scratch + model->kept;
 	int keep = nearly_slender(model, head, strain);
 	if (keep)
 		memcpy(kept, state, (size_t)model->layout.bytes);

@@ -12,7 +12,18 @@ struct rve_packing; /* packing.h */
 struct rve_pool;    /* pool.h: where states are computed */
 struct rve_model;   /* parameters and start packings of all RVEs of one law; read-only once made */
 
+/* How RVEs are computed.  Serial is the reference; the others have their own states and, each, their own bits. */
+enum rve_code_path {
+	RVE_SERIAL,     /* double precision: kernel.h */
+	RVE_SIMD,       /* double precision in short vectors: packed.h */
+	RVE_SIMD_SINGLE /* the same in single precision */
+};
+
+/* "serial", "simd", "single". */
+const char *rve_path_name(int path);
+
 struct rve_params {
+	int path;               /* enum rve_code_path; packings are made with RVE_SERIAL whatever it is */
 	double kn, ks;          /* N/m */
 	double mu;              /* - */
 	double damping_ratio;   /* zeta of the normal dashpot */
@@ -53,6 +64,7 @@ void rve_model_free(struct rve_model *model);
 
 size_t rve_state_bytes(const struct rve_model *model);
 int rve_discs(const struct rve_model *model);
+const char *rve_path(const struct rve_model *model); /* rve_path_name() of its own */
 double rve_void_ratio(const struct rve_model *model, int variant); /* of the start packing */
 
 /* A hash of the start packings (radii and states at birth): states go on with the packings they began with only. */

@@ -29,6 +29,7 @@ static const struct {
 	{                                                                                                                  \
 #field, offsetof(struct rve_params, field), true                                                               \
 	}
+	INTEGER(path),
 	NUMBER(kn),
 	NUMBER(ks),
 	NUMBER(mu),
@@ -52,6 +53,7 @@ static const struct {
 	INTEGER(step_guard),
 	NUMBER(overlap_max),
 };
+_Static_assert(sizeof(struct rve_params) == 176, "a parameter has come or gone: params_table above must know it");
 enum { PARAMS = sizeof params_table / sizeof *params_table };
 
 /* States are copied as they lie in memory: a hash of how they do, for those that lie otherwise. */
@@ -147,7 +149,7 @@ static int write_birth(hid_t file, const struct rve_model *model, uint64_t *hash
 		for (size_t i = 0; i < n; i++)
 			x[v * n + i][0] = discs[i].x, x[v * n + i][1] = discs[i].y;
 		memcpy(cell[v], ((const struct rve_head *)variant->start)->H, sizeof *cell);
-		memcpy(radius + v * n, variant->table + TABLE_R * layout->stride, sizeof *radius * n);
+		memcpy(radius + v * n, variant->table + TABLE_R * model->serial.stride, sizeof *radius * n);
 		memcpy(starts + v * bytes, variant->start, bytes);
 	}
 	if (status == STATUS_OK) {
@@ -406,6 +408,9 @@ int rve_file_model(struct rve_model **result, const struct rve_file *file, const
 	if (params->skin != file->params.skin)
 		return error_set(STATUS_INPUT, "the skin is %g, expected %g: an RVE file goes on with its own", params->skin,
 						 file->params.skin);
+	if (params->path != file->params.path)
+		return error_set(STATUS_INPUT, "the path is `%s`, expected `%s`: an RVE file goes on with its own",
+						 rve_path_name(params->path), rve_path_name(file->params.path));
 	CHECK(rve_model_create(&model, params, file->n_packings, (const struct rve_packing *const *)file->packings));
 	for (int v = 0; v < file->n_packings; v++)
 		memcpy(model->variants[v].start, file->starts + (size_t)v * file->state_bytes, file->state_bytes);

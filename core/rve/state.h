@@ -7,7 +7,14 @@
  * sorted by how many pairs a disc owns, so that level l holds the pair number l of the discs in rows 0 .. m_l - 1
  * side by side: the pair of row i lies in slot level_first[l] + i.  A level is filled up to a multiple of ROW_PAD with
  * pairs to the ghost, row n, that touches nothing.  So a sub-step reads and adds up the i side in order, and only the
- * j side through an index: entry[k][row] are the slots whose j the disc is. */
+ * j side through an index: entry[k][row] are the slots whose j the disc is.
+ *
+ * That is the serial kernel's state.  The packed kernel's (packed.h) has the same head and the same pairs with the same
+ * owners, and is smaller: rows come in blocks of LANE_COUNT (8 in double, 16 in single precision), a block has as many
+ * levels as the disc in it that owns most, and the pair number l of row i of block k lies in slot
+ * (first[k] + l) LANE_COUNT + i % LANE_COUNT.  Missing pairs and missing rows are pairs of and to a ghost; the record of
+ * the ghost that pairs point to has the number `stride`.  There are no entries: the j side is added to as it comes.
+ * Velocities are displacements in one sub-step.  Single precision: see PACKED_REST_X. */
 #ifndef TMDEMPM_RVE_STATE_H
 #define TMDEMPM_RVE_STATE_H
 
@@ -22,6 +29,14 @@ enum { DISC_SX, DISC_SY, DISC_VX, DISC_VY, DISC_W, DISC_STATE_FIELDS };
 enum { DISC32_REF_X, DISC32_REF_Y, DISC32_UX, DISC32_UY, DISC32_ROTATION, DISC32_FIELDS };
 /* Constants of the discs of a packing, in its order: radius at the reference temperature (m), mass (kg), dt/m, dt/I */
 enum { TABLE_R, TABLE_MASS, TABLE_DT_MASS, TABLE_DT_INERTIA, TABLE_FIELDS };
+
+/* Arrays over rows of a packed state, of its precision: velocities are displacements in one sub-step (m, rad).  In single
+ * precision coordinates are whole numbers, 2^-32 of the cell that wrap around, as are the places at the last list
+ * build; REST is what is left of a motion below that (only there). */
+enum { PACKED_SX, PACKED_SY, PACKED_VX, PACKED_VY, PACKED_W, PACKED_REST_X, PACKED_REST_Y, PACKED_FIELDS };
+/* Records of its table, one for each disc and the ghost: radius, mass, dt^2/m, dt^2/I. */
+enum { PACKED_TABLE = 4 };
+#define PACKED_GHOST_RADIUS (-1e6)
 
 /* Ledger entries, J of the cell with its z. */
 enum {
@@ -78,7 +93,10 @@ struct rve_layout {
 	int pair_j;       /* index16: row */
 	int id;           /* index16[stride]: the packing's index of the disc in each row */
 	int flag;         /* unsigned char: BOND_NONE ... */
-	int entry;        /* index16[levels][stride] */
+	int entry;        /* index16[levels][stride]; not packed */
+	int first;        /* packed only: index16[stride / LANE_COUNT + 1], a block's first level */
+	int lanes;        /* packed only: rows of a block */
+	int single;       /* packed only: in single precision */
 	int bytes;        /* of a state, a multiple of 64 */
 	int scratch;      /* bytes of a block's scratch memory */
 };
@@ -127,6 +145,17 @@ void rve_kernel_v4(const struct rve_layout *layout, const struct rve_constants *
 
 /* Bytes of scratch memory that a block needs. */
 int rve_kernel_scratch_bytes(const struct rve_layout *layout);
+
+/* The packed kernel in double and in single precision; `table`: PACKED_TABLE numbers of that precision for each disc
+ * and the ghost. */
+typedef void rve_packed_kernel(const struct rve_layout *layout, const struct rve_constants *constants,
+							   const struct rve_call *call, GLOBAL const void *table, GLOBAL unsigned char *state,
+							   LOCAL unsigned char *scratch, int *status);
+rve_packed_kernel rve_packed64_base, rve_packed64_v3, rve_packed64_v4;
+rve_packed_kernel rve_packed32_base, rve_packed32_v3, rve_packed32_v4;
+
+int rve_packed64_scratch(const struct rve_layout *layout);
+int rve_packed32_scratch(const struct rve_layout *layout);
 
 #endif
 

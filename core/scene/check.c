@@ -113,7 +113,7 @@ static void check_unique(struct loader *loader, const char *list)
 static void check_names(struct loader *loader)
 {
 	static const char *const lists[] = {"laws",   "materials", "bodies",  "walls",   "boundaries",
-										"stages", "probes",    "regions", "inspect", "images"};
+										"stages", "probes",    "regions", "cracks", "inspect", "images"};
 	for (size_t k = 0; k < sizeof lists / sizeof *lists; k++)
 		check_unique(loader, lists[k]);
 	const struct node *laws = node_find(loader->root, "laws");
@@ -274,6 +274,17 @@ static void check_freezing(struct loader *loader, int k)
 		problem_of(loader, "time.thermal_steps",
 				   "is %d though material '%s' freezes, expected 1: thermal sub-steps know no latent heat",
 				   scene->time.thermal_steps, scene->materials[k].name);
+}
+
+static void check_cracks(struct loader *loader)
+{
+	const struct scene *scene = loader->scene;
+	bool breaks = false;
+	for (int k = 0; k < scene->n_laws; k++)
+		breaks = breaks || scene->laws[k].type == SCENE_LAW_RANKINE;
+	if (scene->n_cracks > 0 && !breaks)
+		problem_of(loader, "cracks", "are given though nothing can break, expected a law of type \"%s\"",
+				   scene_law_type_names[SCENE_LAW_RANKINE]);
 }
 
 static void check_materials(struct loader *loader)
@@ -928,7 +939,7 @@ static void check_inspect(struct loader *loader)
 
 static void check_images(struct loader *loader)
 {
-	static const char *const rve_fields[] = {"displacement", "rotation", "coordination", "radius"};
+	static const char *const rve_fields[] = {"displacement", "rotation", "coordination", "temperature", "radius"};
 	const struct scene *scene = loader->scene;
 	const struct node *list = node_find(loader->root, "images");
 	char path[PATH_LENGTH];
@@ -944,6 +955,9 @@ static void check_images(struct loader *loader)
 			if (rve)
 				problem_at(loader, rve->place, path_to(path, "images", k, "rve"),
 						   "is given for a picture of points, expected kind = \"rve\"");
+			if (image->before)
+				problem_of(loader, path_to(path, "images", k, "before"),
+						   "is given for a picture of points, expected kind = \"rve\"");
 			continue;
 		}
 		if (rve)
@@ -955,7 +969,8 @@ static void check_images(struct loader *loader)
 			known |= !strcmp(image->field, rve_fields[f]);
 		if (!known)
 			problem_of(loader, path_to(path, "images", k, "field"),
-					   "is \"%s\", expected a field of an RVE: displacement, rotation, coordination or radius",
+					   "is \"%s\", expected a field of an RVE: displacement, rotation, coordination, temperature or "
+					   "radius",
 					   image->field);
 	}
 }
@@ -965,8 +980,9 @@ static void check_images(struct loader *loader)
 static bool same_pair(const struct scene_contact *a, const struct scene_contact *b)
 {
 	return a->n_bodies == b->n_bodies &&
-		   (a->n_bodies == 0 || (a->bodies[0] == b->bodies[0] && a->bodies[1] == b->bodies[1]) ||
-			(a->bodies[0] == b->bodies[1] && a->bodies[1] == b->bodies[0]));
+		   (a->n_bodies == 0 || (a->n_bodies == 1 && a->bodies[0] == b->bodies[0]) ||
+			(a->n_bodies == 2 && ((a->bodies[0] == b->bodies[0] && a->bodies[1] == b->bodies[1]) ||
+								  (a->bodies[0] == b->bodies[1] && a->bodies[1] == b->bodies[0]))));
 }
 
 static void check_contact(struct loader *loader, int k)
@@ -1020,6 +1036,7 @@ void check_scene(struct loader *loader)
 	if (loader_clean(loader, "mpm"))
 		check_transfer(loader);
 	check_laws(loader);
+	check_cracks(loader);
 	check_materials(loader);
 	check_stages(loader);
 	check_installing(loader);

@@ -336,12 +336,12 @@ void read_contact_bodies(struct loader *loader, const struct scene_key *key, str
 	struct scene_contact *contact = target;
 	if (!is_string_list(loader, key, node, path))
 		return;
-	if (node->n != 2) {
+	if (node->n < 1 || node->n > 2) {
 		problem_at(loader, node->place, path, "has %d names, expected %s", node->n, key->expected);
 		return;
 	}
-	contact->n_bodies = 2;
-	for (int k = 0; k < 2; k++)
+	contact->n_bodies = node->n;
+	for (int k = 0; k < node->n; k++)
 		contact->bodies[k] = read_reference(loader, node->children[k], "bodies", path);
 }
 

@@ -25,11 +25,6 @@ void scene_body_turn(const struct scene_body *body, double direction, double x[2
 	x[0] = body->pivot[0] + c * dx - s * dy, x[1] = body->pivot[1] + s * dx + c * dy;
 }
 
-bool scene_body_drives(const struct scene_body *body)
-{
-	return !isnan(body->drive[0]) && (body->drive[0] != 0.0 || body->drive[1] != 0.0);
-}
-
 static bool outline_contains(const struct scene_body *body, const double x[2], double tolerance)
 {
 	const double(*v)[2] = (const double(*)[2])body->vertices;

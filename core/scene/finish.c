@@ -38,6 +38,7 @@ static void finish_bodies(struct scene *scene, const struct node *bodies)
 		struct scene_body *body = &scene->bodies[k];
 		body->temperature = otherwise(body->temperature, ROOM_TEMPERATURE);
 		body->angle *= M_PI / 180.0;
+		body->drives = !isnan(body->drive[0]);
 		turn_shape(body, body);
 		for (int j = 0; j < body->n_cuts; j++)
 			turn_shape(body, &body->cuts[j]);
@@ -141,5 +142,7 @@ void finish_scene(struct loader *loader)
 		if (!node_find(stages->children[k], "walls"))
 			scene->stages[k].n_walls = -1;
 	}
+	for (int k = 0; k < scene->n_cracks; k++)
+		scene->cracks[k].reach = otherwise(scene->cracks[k].reach, 3.0 * scene->grid.cell);
 	finish_output(scene);
 }

@@ -154,6 +154,8 @@ static const struct scene_key rve_keys[] = {
 	 .doc = "the cell's discs at the start"},
 	{.name = "bonds", .type = KEY_GROUP, AT(scene_law, rve.bonds), KEYS(bonds_keys),
 	 .doc = "between discs, once a stage has installed them; at contacts that carry force"},
+	{.name = "path", .type = KEY_ENUM, AT(scene_law, rve.path), .value = "\"auto\"", CHOICES("auto", "serial", "simd", "single"),
+	 .doc = "how RVEs are computed: plainly, the reference; in short vectors, twice as fast; the same in single precision; auto is serial"},
 	{.name = "economy", .type = KEY_GROUP, AT(scene_law, rve.economy), KEYS(economy_keys),
 	 .doc = "what need not be computed, and how wrong that may be"},
 	{.name = "kn", .type = KEY_FLOAT, AT(scene_law, rve.kn), .unit = "N/m", .value = "1e6", .range = RANGE_POSITIVE,
@@ -384,7 +386,9 @@ static const struct scene_key boundary_keys[] = {
 
 static const struct scene_key contact_keys[] = {
 	{.name = "bodies", .type = KEY_CUSTOM, .absent = "every pair of bodies that no other contact names", .read = read_contact_bodies,
-	 .expected = "the names of two bodies: (\"a\", \"b\")", .doc = "names of the two bodies"},
+	 .expected = "the names of two bodies: (\"a\", \"b\"), or of one for its own cracks", .doc = "names of the two bodies; or of one, for the faces of its own cracks"},
+	{.name = "cracks", .type = KEY_BOOL, AT(scene_contact, cracks), .value = "false",
+	 .doc = "also between the faces of cracks in each of these bodies; without it they are welded, and pass no force where the law has lost its stress"},
 	{.name = "friction", .type = KEY_FLOAT, AT(scene_contact, friction), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 100.0,
 	 .doc = "coefficient of friction"},
 	{.name = "softening", .type = KEY_CUSTOM, AT(scene_contact, softening), .absent = "friction does not depend on temperature", .read = read_softening,
@@ -432,6 +436,16 @@ static const struct scene_key region_keys[] = {
 	 .expected = "[xmin, ymin, xmax, ymax]", .doc = "[xmin, ymin, xmax, ymax]"},
 	END};
 
+static const struct scene_key crack_keys[] = {
+	{.name = "name", .type = KEY_NAME, AT(scene_crack, name), .required = true, .doc = "of the crack; its columns in the history are crack.NAME"},
+	{.name = "at", .type = KEY_FLOATS, AT(scene_crack, at), .count = 2, .unit = "m", .required = true,
+	 .doc = "where it begins, in the initial body: the end of a notch"},
+	{.name = "axis", .type = KEY_FLOAT, AT(scene_crack, axis), .unit = "deg", .value = "0.0", .range = RANGE_WITHIN, .min = -360.0, .max = 360.0,
+	 .doc = "direction from which its angle counts, itself from the x axis"},
+	{.name = "reach", .type = KEY_FLOAT, AT(scene_crack, reach), .unit = "m", .absent = "three cells", .range = RANGE_POSITIVE,
+	 .doc = "how far from there its first broken point may lie"},
+	END};
+
 static const struct scene_key inspect_keys[] = {
 	{.name = "name", .type = KEY_NAME, AT(scene_inspect, name), .required = true, .doc = "of the RVE in files and pictures"},
 	{.name = "at", .type = KEY_FLOATS, AT(scene_inspect, at), .count = 2, .unit = "m", .absent = "only with another place",
@@ -460,10 +474,13 @@ static const struct scene_key image_keys[] = {
 	{.name = "kind", .type = KEY_ENUM, AT(scene_image, kind), .value = "\"points\"", CHOICES("points", "rve"),
 	 .doc = "the scene, its points drawn as the domains they own, or one RVE"},
 	{.name = "field", .type = KEY_NAME, AT(scene_image, field), .required = true,
-	 .doc = "a field of the points (tmdempm info lists them); of an RVE: displacement, rotation, coordination or radius"},
+	 .doc = "a field of the points (tmdempm info lists them); of an RVE: displacement, rotation, coordination, temperature or "
+			"radius"},
 	{.name = "component", .type = KEY_CUSTOM, AT(scene_image, component), .value = "\"magnitude\"", .text = true, .read = read_component,
 	 .expected = "\"magnitude\", x, y, xx, yy, zz or xy", .doc = "magnitude (or the scalar itself), x, y, xx, yy, zz or xy"},
 	{.name = "rve", .type = KEY_NAME, AT(scene_image, rve), .absent = "only for points", .doc = "name in inspect"},
+	{.name = "before", .type = KEY_BOOL, AT(scene_image, before), .value = "false",
+	 .doc = "of an RVE: beside how it was at birth; wants a wide size"},
 	{.name = "view", .type = KEY_FLOATS, AT(scene_image, view), .count = 4, .unit = "m", .absent = "the grid, or the RVE's cell",
 	 .doc = "[xmin, ymin, xmax, ymax]"},
 	{.name = "size", .type = KEY_INTS, AT(scene_image, size), .count = 2, .unit = "pixels", .value = "[1000, 800]", .range = RANGE_WITHIN,
@@ -539,6 +556,8 @@ static const struct scene_key root_keys[] = {
 	{.name = "probes", LIST(scene, probes, n_probes), KEYS(probe_keys), .absent = "none", .doc = "points recorded in history.csv"},
 	{.name = "regions", LIST(scene, regions, n_regions), KEYS(region_keys), .absent = "none",
 	 .doc = "boxes whose mass, flow, volume and mean temperature go to history.csv"},
+	{.name = "cracks", LIST(scene, cracks, n_cracks), KEYS(crack_keys), .absent = "none",
+	 .doc = "cracks whose tip, length and angle go to history.csv, with the number and size of the pieces"},
 	{.name = "inspect", LIST(scene, inspect, n_inspect), KEYS(inspect_keys), .absent = "none",
 	 .doc = "RVEs written to files with their path, to be drawn"},
 	{.name = "output", .type = KEY_GROUP, AT(scene, output), KEYS(output_keys), .doc = "what is written, how often"},

@@ -505,6 +505,7 @@ void read_places(struct loader *loader)
 	PLACES(stages, "stages");
 	PLACES(probes, "probes");
 	PLACES(regions, "regions");
+	PLACES(cracks, "cracks");
 	PLACES(inspect, "inspect");
 	PLACES(images, "images");
 }

@@ -117,6 +117,7 @@ struct scene_bonds {
 	double reference; /* K; at and below it the strength of linear softening is whole; default 0 C */
 };
 
+enum scene_rve_path { SCENE_RVE_AUTO, SCENE_RVE_SERIAL, SCENE_RVE_SIMD, SCENE_RVE_SINGLE };
 /* What is not computed; see law/twins.h. */
 struct scene_economy {
 	bool twins; /* RVEs that are equal bit for bit are computed once; true */
@@ -125,6 +126,7 @@ struct scene_economy {
 struct scene_law_rve {
 	struct scene_packing packing;
 	struct scene_bonds bonds;
+	enum scene_rve_path path; /* auto */
 	struct scene_economy economy;
 	double kn, ks;          /* N/m; 1e6 each */
 	double mu;              /* 0.5 */
@@ -200,7 +202,8 @@ struct scene_body {
 	double temperature_gradient[2]; /* K/m, added to the temperatures of the body and its layers; 0 */
 	double temperature_at[2];       /* m, where those hold */
 	double velocity[2];       /* m/s; without a motion */
-	double drive[2];          /* m/s, imposed on the nodes that its points touch; NAN = free */
+	bool drives;              /* a velocity is imposed on the nodes that its points touch */
+	double drive[2];          /* m/s, that; NAN = free */
 	double drive_ramp;        /* s, over which it rises from nothing; 0 */
 	struct scene_motion motion;
 	int variants;             /* packings with seeds seed .. seed+n-1 dealt out in turn; 1 */
@@ -261,8 +264,9 @@ struct scene_boundary {
 /* ---- contacts between bodies (DP-MPM): without one they are welded where they meet ---- */
 
 struct scene_contact {
-	int n_bodies;                /* 2, or 0: all pairs of bodies that no other contact names */
+	int n_bodies;                /* 2; 1: the faces of its own cracks; 0: all pairs that no other contact names */
 	int bodies[2];
+	bool cracks;                 /* also the faces of cracks in each of the bodies; false */
 	double friction;             /* 0 */
 	double softening[2];         /* K: at which friction holds, and at which none is left; NAN = it does not fall */
 	double heat_share;           /* share of the friction work that heats the bodies, half each; 1 */
@@ -302,6 +306,15 @@ struct scene_region {
 	struct scene_place place;
 };
 
+/* A crack to be followed: from where it begins. */
+struct scene_crack {
+	char name[SCENE_NAME];
+	double at[2]; /* m, in the initial body */
+	double axis;  /* deg, direction from which its angle counts */
+	double reach; /* m, how far from there its first broken point may lie; default three cells */
+	struct scene_place place;
+};
+
 /* An RVE to be watched: written to files, its path recorded, drawn. */
 struct scene_inspect {
 	char name[SCENE_NAME];
@@ -327,6 +340,7 @@ struct scene_image {
 	char field[SCENE_NAME]; /* a name of the field table; RVE: "displacement", "rotation", "coordination", "radius" */
 	int component;          /* -1 = magnitude (or the scalar itself), else 0.. */
 	char rve[SCENE_NAME];   /* name in `inspect` */
+	bool before;            /* RVE: a second picture on the left, at birth */
 	double view[4];         /* m: xmin ymin xmax ymax; NAN = the grid */
 	int size[2];            /* pixels */
 	char map[SCENE_NAME];   /* "viridis", "inferno", "coolwarm" (diverging) */
@@ -380,9 +394,10 @@ struct scene {
 	struct scene_stage *stages;
 	int n_contacts;
 	struct scene_contact *contacts;
-	int n_probes, n_regions, n_inspect, n_images;
+	int n_probes, n_regions, n_cracks, n_inspect, n_images;
 	struct scene_probe *probes;
 	struct scene_region *regions;
+	struct scene_crack *cracks;
 	struct scene_inspect *inspect;
 	struct scene_image *images;
 	struct scene_output output;
@@ -411,9 +426,6 @@ void scene_body_lattice(const struct scene *scene, const struct scene_body *body
 
 /* Turns a place with the body (direction 1), or back (-1). */
 void scene_body_turn(const struct scene_body *body, double direction, double x[2]);
-
-/* Does it impose its velocity on the nodes? */
-bool scene_body_drives(const struct scene_body *body);
 
 /* Is x inside of the body and further than `tolerance` (m) from its outline, or, if that is negative, at most so far
  * outside? */

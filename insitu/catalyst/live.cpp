@@ -187,7 +187,7 @@ class live_task : public task
 	{
 		if (link->connected())
 			return;
-		set_paused(false); // nobody is left who could end a pause
+		paused = false; // as the engine takes it that a client that has gone pauses nothing
 		engine_send(FRAME_MSG_LINK, -1, "", 0);
 		next_try = now() + RETRY;
 	}

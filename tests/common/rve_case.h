@@ -4,6 +4,7 @@
 #define TESTS_COMMON_RVE_CASE_H
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +19,10 @@ struct rve_case {
 	double T;                                         /* K, absolute, moves with dT from 0 */
 	double stress[4], heat, conductivity[3], modulus; /* of the last call */
 };
+
+/* The path that cases are computed on whose parameters do not name one: programs run their tests on one after the
+ * other (CASE_RUN_ON_EACH_PATH). */
+static int case_path = RVE_SERIAL;
 
 static inline struct rve_packing *case_packing(double pressure, double mu, unsigned seed)
 {
@@ -39,7 +44,10 @@ static inline struct rve_packing *case_packing(double pressure, double mu, unsig
 static inline void case_start(struct rve_case *c, const struct rve_params *params, const struct rve_packing *packing)
 {
 	const struct rve_packing *const packings[1] = {packing};
-	if (rve_model_create(&c->model, params, 1, packings) != STATUS_OK)
+	struct rve_params on_path = *params;
+	if (on_path.path == RVE_SERIAL)
+		on_path.path = case_path;
+	if (rve_model_create(&c->model, &on_path, 1, packings) != STATUS_OK)
 		fail_msg("%s", error_message());
 	c->T = 0.0;
 	c->state = aligned_alloc(64, rve_state_bytes(c->model));
@@ -91,6 +99,17 @@ static inline struct rve_info case_info(const struct rve_case *c)
 	rve_get_info(c->model, c->state, &info);
 	return info;
 }
+
+/* Runs a group of tests on every path of double precision. */
+#define CASE_RUN_ON_EACH_PATH(tests)                                                                                   \
+	({                                                                                                                 \
+		int failed = 0;                                                                                                \
+		for (case_path = RVE_SERIAL; case_path <= RVE_SIMD; case_path++) {                                             \
+			printf("path %s\n", rve_path_name(case_path));                                                             \
+			failed += cmocka_run_group_tests(tests, NULL, NULL);                                                       \
+		}                                                                                                              \
+		failed;                                                                                                        \
+	})
 
 /* What is left of the work once every part of the ledger has had its share, J. */
 static inline double case_residual(const struct rve_info *info)

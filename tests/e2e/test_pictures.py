@@ -6,7 +6,8 @@ from e2e import *
 
 IMAGES = """
 images = ( { name = "heat"; field = "temperature"; map = "inferno"; size = [400, 300]; every = 0.02; },
-           { name = "cell"; kind = "rve"; rve = "A"; field = "rotation"; map = "coolwarm"; size = [300, 320]; every = 0.04; } );
+           { name = "cell"; kind = "rve"; rve = "A"; field = "rotation"; map = "coolwarm"; size = [300, 320]; every = 0.04; },
+           { name = "pair"; kind = "rve"; rve = "A"; before = true; field = "temperature"; size = [300, 320]; every = 0.04; } );
 """
 
 
@@ -33,11 +34,12 @@ with Folder() as f:
     if not sinks["images"]["available"]:
         skip("no viewer: " + sinks["images"]["install"])
     said = tmdempm("run", cfg, "--out", f("out"), "--until", 0.05).stdout
-    names = ["heat_%08d" % step for step in (0, 200, 400, 500)] + ["cell_%08d" % step for step in (0, 400, 500)]
+    names = ["heat_%08d" % step for step in (0, 200, 400, 500)] + ["%s_%08d" % (name, step) for name in ("cell", "pair") for step in (0, 400, 500)]
     expect(files_below(f("out", "images")) == sorted(name + ".png" for name in names), str(files_below(f("out", "images"))))
     for name in names:
         expect(png_size(f("out", "images", name + ".png")) == ((400, 300) if name.startswith("heat") else (300, 320)), name)
         expect("images/%s.png" % name in said, "%s is not announced:\n%s" % (name, said))
+    expect(not [name for name in files_below(f("out")) if "birth" in name], "the start packing is written with every snapshot")
     # drawing changes nothing
     tmdempm("run", f.write("plain.cfg", COLUMN), "--out", f("plain"), "--until", 0.05)
     same_file(f("plain", "history.csv"), f("out", "history.csv"), "histories")

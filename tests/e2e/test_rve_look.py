@@ -110,6 +110,13 @@ def missing(f, cfg):
     expect({k: v for k, v in there.items() if k != "from"} == {k: v for k, v in same.items() if k != "from"}, str(there))
 
 
+def guarded(f, cfg):
+    """The state in which a guard stopped a run is there to be looked at."""
+    tmdempm("run", cfg, "--out", f("guarded"), "--set", "materials.[0].law.overlap_max=0.006", "--set", "gravity=[0.0,-98.0]", code=3)
+    said = shown(f("guarded", "guard.h5"), "--rule", "highest_pressure")
+    expect("step 1," in said["from"] and "(" in said["point"], str(said))
+
+
 def refused(f, cfg):
     for arguments, words in ((["--point", 99], "has the points 0 to 15"), (["--name", "C"], "(A, B)"), ([], "expected --point ID"),
                              (["--rule", "coldest"], "hottest, most_sheared"), (["--at", "1;2"], "x,y"),
@@ -144,7 +151,7 @@ def refused(f, cfg):
 
 with Folder() as f:
     probes = "probes = ( %s );" % ", ".join('{ name = "P%d"; id = %d; }' % (k, k) for k in range(16))
-    cfg = f.write("s.cfg", BONDED.replace('probes = ( { name = "A"; id = 5; } );', 'probes = ( { name = "A"; id = 5; } );'))
+    cfg = f.write("s.cfg", BONDED)
     tmdempm("run", cfg, "--out", f("out"), "--until", 0.06)
     driven = f("half.h5")
     os.link(f("out", "checkpoint.h5"), driven)  # the middle of what follows
@@ -158,6 +165,7 @@ with Folder() as f:
     rules(f)
     steered(f, cfg)
     missing(f, cfg)
+    guarded(f, cfg)
     refused(f, cfg)
     # an RVE in the middle of its life is loaded as a packing is: with its history, and its law's friction
     tmdempm("rve", "load", "--packing", f("middle.h5"), "--load", "shear", "--rate", 1, "--strain", 1e-3, "--out", f("shear.csv"))

@@ -237,5 +237,5 @@ int main(void)
 		cmocka_unit_test(test_near_zero_pressure),
 		cmocka_unit_test(test_melting_under_pressure),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return CASE_RUN_ON_EACH_PATH(tests);
 }

@@ -153,5 +153,5 @@ int main(void)
 		cmocka_unit_test(test_senseless_motion),       cmocka_unit_test(test_crowded_cell),
 		cmocka_unit_test(test_failed_member_is_named),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return CASE_RUN_ON_EACH_PATH(tests);
 }

@@ -1,7 +1,8 @@
 /* timeout: 300
  *
- * Bodies that touch: what must hold whatever the scene (momentum, energy, heat, bits), and the scenes in which methods of
- * this kind fail: faces between rows of nodes, leading edges, corners, three bodies at a node, thin bodies, slots. */
+ * Bodies that touch: what must hold whatever the scene (momentum, energy, heat, bits), and the scenes in which methods
+ * of this kind fail: faces between rows of nodes, leading edges, corners, three bodies at a node, thin bodies, slots.
+ */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -200,7 +201,7 @@ static void test_slide_without_friction(void **state)
 	for (double at = 0.0; at < 0.95; at += 0.3) {
 		struct elastic_scene s;
 		struct mpm *mpm = start(slider(&s, at, 0.0, 0.0));
-		steps(mpm, 4000); /* six cells */
+		steps(mpm, 4000);                        /* six cells */
 		if (!(body_velocity(mpm, 1, 0) > 29.97)) /* 0.1% */
 			fail_msg("face at %g: 30 m/s have become %g", at, body_velocity(mpm, 1, 0));
 		mpm_free(mpm);
@@ -307,6 +308,95 @@ static void test_same_bits(void **state)
 	discard(&whole);
 }
 
+/* ---- cracks ---- */
+
+/* A bar whose halves fly apart: it breaks in the middle. */
+static struct scene *breaking(struct elastic_scene *s, bool contacts)
+{
+	struct scene *scene = metal(s, 40, 12);
+	snprintf(scene->mpm.shape, sizeof scene->mpm.shape, "cpdi");
+	s->laws[0].type = SCENE_LAW_RANKINE;
+	s->laws[0].rankine = (struct scene_law_rankine){
+		.young = 70e9, .poisson = 0.0, .strength = 50e6, .fracture_energy = 100.0, .heat_share = 1.0, .cell = H};
+	box(s, 12.0, 4.0, 28.0, 8.0);
+	if (contacts) {
+		struct scene_contact *own = elastic_scene_contact(s, 0.2);
+		own->n_bodies = 1;
+	}
+	return scene;
+}
+
+static struct mpm *fly_apart(struct elastic_scene *s, bool contacts)
+{
+	struct mpm *mpm = start(breaking(s, contacts));
+	for (int k = 0; k < mpm->p.n; k++)
+		mpm->p.v[k][0] = mpm->p.x[k][0] < 20.0 * H ? -10.0 : 10.0;
+	return mpm;
+}
+
+/* Of the points that began right (or left) of the middle: mean velocity, or their extreme place. */
+static double half_bar(const struct mpm *mpm, bool right, bool place)
+{
+	double sum = 0.0, n = 0.0, end = right ? INFINITY : -INFINITY;
+	for (int k = 0; k < mpm->p.n; k++) {
+		double x = mpm->p.x[k][0];
+		if ((mpm->p.x0[k][0] > 20.0 * H) != right)
+			continue;
+		sum += mpm->p.v[k][0], n += 1.0;
+		end = right ? fmin(end, x) : fmax(end, x);
+	}
+	return place ? end : sum / n;
+}
+
+/* The halves part for good, pass no force then, and do not pass through each other when they come back. */
+static void test_crack(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct mpm *mpm = fly_apart(&s, true);
+	steps(mpm, 1000);
+	double away = half_bar(mpm, true, false);
+	assert_true(away > 8.0);
+	assert_near(half_bar(mpm, false, false), -away, 1e-9);
+	mpm_measure(mpm);
+	assert_near(mpm->ledger.loss_fracture, 4.0 * H * 100.0, 0.5 * 4.0 * H * 100.0); /* Gf times the width */
+	steps(mpm, 1000);
+	assert_near(half_bar(mpm, true, false), away, 1e-9);
+	for (int k = 0; k < mpm->p.n; k++)
+		mpm->p.v[k][0] = -mpm->p.v[k][0];
+	double least = INFINITY;
+	for (int k = 0; k < 40; k++) {
+		steps(mpm, 100);
+		least = fmin(least, half_bar(mpm, true, true) - half_bar(mpm, false, true));
+	}
+	assert_true(least > -0.5 * H);
+	assert_true(half_bar(mpm, true, false) > 0.0);
+	assert_near(sum_momentum(mpm, 0), 0.0, 1e-12 * sum_mass(mpm) * 10.0);
+	mpm_free(mpm);
+}
+
+/* Sides of cracks and the memory of their gradients across a restart, between two looks at them. */
+static void test_crack_same_bits(void **state)
+{
+	(void)state;
+	struct elastic_scene s;
+	struct saved whole, half;
+	struct mpm *mpm = fly_apart(&s, true);
+	steps(mpm, 203);
+	save(mpm, &half);
+	steps(mpm, 100);
+	assert_true(contact_slots_used(mpm) > 0);
+	save(mpm, &whole);
+	mpm_free(mpm);
+	mpm = start(&s.scene);
+	load(mpm, &half);
+	steps(mpm, 100);
+	assert_same(mpm, &whole);
+	mpm_free(mpm);
+	discard(&half);
+	discard(&whole);
+}
+
 /* ---- every scheme ---- */
 
 /* Whatever the transfer and the order: no momentum is lost, no energy made, and the bodies part again. */
@@ -317,8 +407,8 @@ static void test_schemes(void **state)
 		enum mpm_transfer transfer;
 		enum mpm_order order;
 		const char *shape;
-	} schemes[] = {{MPM_FLIP, MPM_USF, "ugimp"}, {MPM_XPIC, MPM_MUSL, "ugimp"}, {MPM_FMPM, MPM_USL, "ugimp"},
-				   {MPM_APIC, MPM_USL, "ugimp"}, {MPM_APIC, MPM_MUSL, "cpdi"},  {MPM_FLIP, MPM_USL, "cpdi"},
+	} schemes[] = {{MPM_FLIP, MPM_USF, "ugimp"},  {MPM_XPIC, MPM_MUSL, "ugimp"}, {MPM_FMPM, MPM_USL, "ugimp"},
+				   {MPM_APIC, MPM_USL, "ugimp"},  {MPM_APIC, MPM_MUSL, "cpdi"},  {MPM_FLIP, MPM_USL, "cpdi"},
 				   {MPM_FLIP, MPM_MUSL, "linear"}};
 	for (size_t k = 0; k < sizeof schemes / sizeof *schemes; k++) {
 		struct elastic_scene s;
@@ -350,6 +440,8 @@ int main(void)
 		cmocka_unit_test(test_slide_with_friction),
 		cmocka_unit_test(test_conduction),
 		cmocka_unit_test(test_same_bits),
+		cmocka_unit_test(test_crack),
+		cmocka_unit_test(test_crack_same_bits),
 		cmocka_unit_test(test_schemes),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

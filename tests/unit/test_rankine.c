@@ -1,4 +1,5 @@
-/* The law neohookean_rankine against closed forms: softening and its energy, heat of stretching, objectivity, free energy. */
+/* The law neohookean_rankine against closed forms: softening and its energy, heat of stretching, objectivity, free
+ * energy. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -158,7 +159,8 @@ static void test_objectivity(void **state)
 /* Heat that a step gives per initial volume, J/m3. */
 static double heat_of(const struct point *p) { return p->heat[0] * mat2_determinant(p->F[0]); }
 
-/* Stretching a whole solid cools it by 3 alpha T K dV/V per volume (Kelvin); restrained heating presses by 3 alpha K dT. */
+/* Stretching a whole solid cools it by 3 alpha T K dV/V per volume (Kelvin); restrained heating presses by 3 alpha K
+ * dT. */
 static void test_kelvin(void **state)
 {
 	(void)state;

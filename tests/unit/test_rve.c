@@ -279,7 +279,7 @@ static void test_momentum_is_conserved(void **arg)
 	case_advance(&c, shear, 0.0, 1e-3, 200);
 	const struct rve_layout *layout = &c.model->layout;
 	const real *disc = (const real *)(c.state + layout->disc),
-			   *mass = c.model->variants[0].table + TABLE_MASS * layout->stride;
+			   *mass = c.model->variants[0].table + TABLE_MASS * c.model->serial.stride;
 	const index16 *id = (const index16 *)(c.state + layout->id);
 	double sum[2] = {0}, size = 0.0;
 	for (int i = 0; i < layout->n; i++) {
@@ -340,5 +340,5 @@ int main(void)
 		cmocka_unit_test(test_momentum_is_conserved),
 		cmocka_unit_test(test_refusals_name_their_cause),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return CASE_RUN_ON_EACH_PATH(tests);
 }

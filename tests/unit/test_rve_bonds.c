@@ -525,5 +525,5 @@ int main(void)
 		cmocka_unit_test(test_a_copy_goes_on_with_the_same_bits),
 		cmocka_unit_test(test_too_strong_for_the_list),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return CASE_RUN_ON_EACH_PATH(tests);
 }

@@ -167,8 +167,8 @@ static const struct {
 	 "stages.[0].walls \"grounds\" is not defined, expected a name in walls"},
 	{"rve = \"i\"", "rve = \"k\"",
 	 "images.[1].rve \"k\" is not defined, expected a name in inspect (did you mean \"i\"?)"},
-	{"field = \"radius\"", "field = \"temperature\"",
-	 "images.[1].field is \"temperature\", expected a field of an RVE"},
+	{"field = \"radius\"", "field = \"stress\"",
+	 "images.[1].field is \"stress\", expected a field of an RVE"},
 	/* the rest */
 	{"duration = 1.0;", "", "stages.[0].duration is missing"},
 	{"{ name = \"t\"; }", "{ name = \"t\"; duration = 0.5; }", "ends the stages at 1.5 s, before time.end = 2 s"},

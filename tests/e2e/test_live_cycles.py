@@ -1,0 +1,5 @@
+# timeout: 400
+"""Ten clients in a row."""
+from live_cycles_run import cycles
+
+cycles(10, 300)
