@@ -101,11 +101,11 @@ static cl_ulong info_number(cl_device_id id, cl_uint what, size_t bytes)
 
 static void describe(cl_device_id id, cl_platform_id platform, struct rve_device_info *info)
 {
-	char extensions[4096], version[96] = "";
+	char extensions[4096], version[512] = "";
 	memset(info, 0, sizeof *info);
 	info_text(id, CL_DEVICE_NAME, info->name, sizeof info->name);
 	cl.clGetPlatformInfo(platform, CL_PLATFORM_VERSION, sizeof version - 1, version, NULL);
-	snprintf(info->driver, sizeof info->driver, "%s", version);
+	snprintf(info->driver, sizeof info->driver, "%.120s", version);
 	info->memory = (double)info_number(id, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof(cl_ulong));
 	info->units = (int)info_number(id, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof(cl_uint));
 	info->is_gpu = (info_number(id, CL_DEVICE_TYPE, sizeof(cl_bitfield)) & CL_DEVICE_TYPE_GPU) != 0;

@@ -130,8 +130,8 @@ BLOCKFN void state_load(const struct rve_place *at)
 		const int first = block->head.entry_first[level];
 		FOR_THREADS(i, at->layout->n - first) WORK_ENTRY(level)[first + i] = STATE_ENTRY(level)[first + i];
 	}
-	SHARED real *lanes = &block->lanes[0][0];
-	FOR_THREADS(k, LANE_FIELDS * LANES) lanes[k] = 0.0;
+	for (int q = 0; q < LANE_FIELDS; q++)
+		FOR_THREADS(lane, LANES) block->lanes[q][lane] = 0.0;
 	slots_clear(at);
 	SYNC();
 	rows_load(at);

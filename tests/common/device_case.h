@@ -79,7 +79,7 @@ static inline struct rve_model *device_case_model(int discs)
 	params.bond_strength = 0.02;
 	params.bond_melting = 400.0;
 	params.bond_reference = 300.0;
-	params.n_max = 0;
+	params.n_max = 4; /* few sub-steps, far apart: simulators are slow */
 	const struct rve_packing_params how = {.discs = discs,
 										   .radius_min = 0.25e-3,
 										   .radius_max = 0.5e-3,
