@@ -118,6 +118,22 @@ void hatch(shapes &strokes, const double a[2], const double b[2], double spacing
 	}
 }
 
+// Leaves the corners of an outline: walls come with points along their faces.
+void drop_straight(std::vector<std::array<double, 2>> &p, bool closed)
+{
+	std::vector<std::array<double, 2>> corners;
+	for (size_t i = 0; i < p.size(); i++) {
+		const auto &before = corners.empty() ? p.back() : corners.back(), &after = p[(i + 1) % p.size()];
+		double ax = p[i][0] - before[0], ay = p[i][1] - before[1], bx = after[0] - p[i][0], by = after[1] - p[i][1];
+		bool end = !closed && (i == 0 || i + 1 == p.size());
+		bool straight =
+			std::fabs(ax * by - ay * bx) <= 1e-9 * std::hypot(ax, ay) * std::hypot(bx, by) && ax * bx + ay * by > 0;
+		if (end || !straight)
+			corners.push_back(p[i]);
+	}
+	p = corners;
+}
+
 // Channel "walls": polygons (array "closed", or last corner = first) are solid; open lines are the surface of a
 // solid on their right.
 void draw_walls(page &page, const frame_view &frame)
@@ -142,6 +158,7 @@ void draw_walls(page &page, const frame_view &frame)
 		if (round)
 			p.pop_back();
 		bool solid = round || (closed && k < closed->count && frame.value(*closed, k) != 0 && p.size() >= 3);
+		drop_straight(p, solid);
 		auto corners = reinterpret_cast<const double(*)[2]>(p.data());
 		edges.line(corners, int(p.size()), solid, ink::wall_edge);
 		if (solid)

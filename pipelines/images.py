@@ -22,14 +22,6 @@ options = catalyst.Options()
 sources = producers()  # a script shows ParaView its channels while it is read
 
 
-def save(view, name, step):
-    """Under another name first: whoever looks sees a whole picture or none."""
-    path = "%s_%08d.png" % (name, step)
-    Render(view)
-    SaveScreenshot("." + path, view, ImageResolution=list(view.ViewSize))
-    os.rename("." + path, path)
-
-
 class Scene:
     """The domains coloured by one field, and the walls."""
 
@@ -49,7 +41,7 @@ class Scene:
                 show_walls(self.view, sources["walls"])
         GetColorTransferFunction(self.field).RescaleTransferFunction(*range_of(data, self.field))
         self.text.Text = "t = %.4g s" % info.time
-        save(self.view, self.field, info.timestep)
+        save_view(self.view, "%s_%08d.png" % (self.field, info.timestep))
 
 
 class Rve:
@@ -69,7 +61,7 @@ class Rve:
         look_at(self.view, bounds_of(self.discs, self.network.contacts))
         self.network.update(range_of(data, "radius")[1])
         self.text.Text = "RVE %s, t = %.4g s\n%s" % (self.name, info.time, note_of(data))
-        save(self.view, "rve_" + self.name, info.timestep)
+        save_view(self.view, "rve_%s_%08d.png" % (self.name, info.timestep))
 
 
 scenes = [Scene(field) for field in FIELDS]

@@ -22,10 +22,20 @@ class Watcher:
 
     def __init__(self, port, field, drawn=None):
         self.field, self.drawn, self.frames = field, drawn, 0
-        self.run, self.views, self.text, self.networks = None, [], None, {}
+        self.run, self.views, self.networks = None, [], {}
+        self.scene = make_view(view=GetActiveViewOrCreate("RenderView"))
+        self.text = heading(self.scene, "waits for a simulation at port %d" % port)
+        AssignViewToLayout(self.scene)
         self.link = tmdempm_live.listen_at(port)
         self.link.AddObserver("ConnectionCreatedEvent", lambda *unused: self.come())
         self.link.AddObserver("UpdateEvent", lambda *unused: self.draw())
+
+    def listen_in_window(self):
+        """ParaView's window has a loop of its own, which calls us now and then."""
+        Render(self.scene)
+        interactor = self.scene.GetInteractor()
+        interactor.AddObserver("TimerEvent", lambda *unused: tmdempm_live.listen())
+        interactor.CreateRepeatingTimer(50)
 
     def come(self):
         """A simulation has connected."""
@@ -55,16 +65,14 @@ class Watcher:
             self.drawn(self)
 
     def show_scene(self, data):
-        view = make_view()
+        view = self.scene
         self.views.append(view)
         if location_of(data, self.field) is None:
             self.field = "velocity"
         show_field(view, self.run.source("domains"), self.field)
         if "walls" in self.run.channels():
             show_walls(view, self.run.source("walls"))
-        self.text = heading(view, "")
         look_at(view, data_of(self.run.source("grid")).GetBounds())
-        AssignViewToLayout(view)
 
     def draw_cells(self):
         for channel in self.run.channels():
@@ -91,7 +99,7 @@ def arguments():
     parser = argparse.ArgumentParser(prog="live.py")
     parser.add_argument("--port", type=int, default=int(os.environ.get("PORT", 22222)))
     parser.add_argument("--field", default=os.environ.get("FIELD", "temperature"))
-    parser.add_argument("--image", help="rewrites this picture (and NAME_1.png ... of the RVEs) with each frame")
+    parser.add_argument("--image", default=os.environ.get("IMAGE"), help="rewrites this picture (and NAME_1.png ... of the RVEs) with each frame")
     parser.add_argument("--frames", type=int, default=0, help="ends after so many")
     parser.add_argument("--command", action="append", default=[], help="given to the run when its first frame has come")
     # paraview --script leaves its own arguments here
@@ -101,14 +109,14 @@ def arguments():
 def save(watcher):
     stem, ending = os.path.splitext(wish.image)
     for k, view in enumerate(watcher.views):
-        path = stem + ("_%d" % k if k else "") + ending
-        SaveScreenshot(path + ".part" + ending, view, ImageResolution=list(view.ViewSize))
-        os.replace(path + ".part" + ending, path)
+        save_view(view, stem + ("_%d" % k if k else "") + ending)
 
 
 wish = arguments()
 watcher = Watcher(wish.port, wish.field, save if wish.image else None)
-if os.path.basename(sys.argv[0]) == "live.py":  # pvpython: ParaView's window has a loop of its own
+if os.path.basename(sys.argv[0]) != "live.py":
+    watcher.listen_in_window()
+else:
     while not wish.frames or watcher.frames < wish.frames:
         tmdempm_live.listen(0.05)
         while watcher.frames and wish.command:

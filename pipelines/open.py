@@ -47,7 +47,7 @@ def show_run(folder, field, time):
         names = data.GetCellData()
         sys.exit("open.py: there is no field %s; there are %s"
                  % (field, ", ".join(names.GetArrayName(i) for i in range(names.GetNumberOfArrays()))))
-    scene = make_view()
+    scene = make_view(view=GetActiveViewOrCreate("RenderView"))
     scene.ViewTime = time
     show_field(scene, domains, field)
     walls = open_series(folder, "walls")

@@ -3,6 +3,8 @@
 Every function takes ParaView's sources as they come: channels of a running simulation, extracts of a live connection, or
 readers of a finished run's .pvd files.
 """
+import os
+
 from paraview import servermanager
 from paraview.simple import *
 
@@ -52,9 +54,9 @@ def bounds_of(*sources):
     return [(max if i % 2 else min)(box[i] for box in boxes) for i in range(6)] if boxes else [0, 1, 0, 1, 0, 0]
 
 
-def make_view(size=(1100, 850)):
-    """A white sheet that looks straight at the plane."""
-    view = CreateView("RenderView")
+def make_view(size=(1100, 850), view=None):
+    """A white sheet that looks straight at the plane; of a view that is there, or a new one."""
+    view = view or CreateView("RenderView")
     view.ViewSize = list(size)
     view.UseColorPaletteForBackground = 0
     view.Background = [1.0, 1.0, 1.0]
@@ -68,16 +70,24 @@ def look_at(view, bounds):
     """The whole of [xmin, xmax, ymin, ymax, ...], with room for the colour bar on the right and the heading above."""
     width, height = bounds[1] - bounds[0], bounds[3] - bounds[2]
     across, up = view.ViewSize[0], view.ViewSize[1]
-    scale = max(0.5 * height / 0.84, 0.5 * width / 0.80 * up / across)
+    scale = max(0.5 * height / 0.84, 0.5 * width / 0.76 * up / across)
     x, y = 0.5 * (bounds[0] + bounds[1]) + 0.1 * 2 * scale * across / up, 0.5 * (bounds[2] + bounds[3]) + 0.04 * 2 * scale
     view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = [x, y, 10.0], [x, y, 0.0], [0.0, 1.0, 0.0]
     view.CameraParallelScale = scale
 
 
-def colour(view, display, data, field, preset=None, title=None, limits=None):
-    """Colours by a field, with a bar; limits = the field's own."""
-    ColorBy(display, (location_of(data, field), field))
-    table = GetColorTransferFunction(field)
+def save_view(view, path):
+    """Under another name first: whoever looks sees a whole picture or none."""
+    folder, name = os.path.split(path)
+    Render(view)
+    SaveScreenshot(os.path.join(folder, "." + name), view, ImageResolution=list(view.ViewSize))
+    os.replace(os.path.join(folder, "." + name), path)
+
+
+def colour(view, display, data, field, preset=None, title=None, limits=None, separate=False):
+    """Colours by a field, with a bar; limits = the field's own; separate = not those of other views.  Returns the colours."""
+    ColorBy(display, (location_of(data, field), field), separate)
+    table = GetColorTransferFunction(field, display, separate=separate)
     table.ApplyPreset(preset or MAPS.get(field, MAPS[""]), True)
     table.RescaleTransferFunction(*(limits or range_of(data, field)))
     table.NanColor, table.NanOpacity = [0.8, 0.8, 0.8], 1.0
@@ -86,9 +96,10 @@ def colour(view, display, data, field, preset=None, title=None, limits=None):
     bar.TitleColor, bar.LabelColor = BLACK, BLACK
     bar.TitleFontSize, bar.LabelFontSize = 15, 13
     bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, "%.4g", "%.4g"
-    bar.WindowLocation, bar.Position, bar.ScalarBarLength = "Any Location", [0.87, 0.2], 0.55
+    bar.WindowLocation, bar.Position, bar.ScalarBarLength = "Any Location", [0.84, 0.2], 0.55
     bar.Visibility = 1
     display.SetScalarBarVisibility(view, True)
+    return table
 
 
 def heading(view, words, place="Upper Left Corner"):
@@ -158,15 +169,13 @@ class Network:
         strongest = max(abs(low), abs(high)) or 1.0
         self.width.Function = "%.9g*abs(normal_force)" % (0.5 * radius / strongest)
         self.tubes.UpdatePipeline()
-        ColorBy(self.display, ("POINTS", "normal_force"))
         # without tension: from weak to strong; with it: blue compression, red tension, nothing at white
         if low < -1e-9 * strongest:
             colour(self.view, self.display, data_of(self.tubes), "normal_force", "Cool to Warm (Extended)", "normal force",
-                   (-strongest, strongest))
-            GetColorTransferFunction("normal_force").InvertTransferFunction()
+                   (-strongest, strongest), separate=True).InvertTransferFunction()
         else:
             colour(self.view, self.display, data_of(self.tubes), "normal_force", "Black-Body Radiation", "normal force",
-                   (0.0, 1.4 * strongest))
+                   (0.0, 1.4 * strongest), separate=True)
 
 
 def note_of(data):

@@ -105,6 +105,18 @@ void mpm_measure(struct mpm *mpm);
 /* Where a place of the scene, x (c = 0) or y (1), has gone with a grid that follows a wall, m. */
 double grid_carried(const struct mpm *mpm, double place, int c);
 
+/* What the material did to a wall at one node of the grid in the last step. */
+struct mpm_wall_load {
+	int wall;
+	double at[2];     /* m, the node */
+	double normal[2]; /* of the wall's face, into the material */
+	double force[2];  /* N, on the wall, mean over the step */
+};
+
+/* The loads of the last step, n at most, in the order of the nodes; returns how many there are.  Their sum is
+ * mpm->walls[].force (without the confining pressure that a scene may add to it). */
+int mpm_wall_loads(const struct mpm *mpm, struct mpm_wall_load *loads, int n);
+
 /* Sums over a box of the scene. */
 struct mpm_region_values {
 	double mass, volume; /* kg, m3 */

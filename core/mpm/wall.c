@@ -457,6 +457,30 @@ void walls_account(struct mpm *mpm)
 			wall_contact_account(mpm, w, e);
 }
 
+int mpm_wall_loads(const struct mpm *mpm, struct mpm_wall_load *loads, int n)
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	const struct grid *grid = &mpm->grid;
+	int count = 0;
+	for (int e = 0; e < w->n_wall_nodes && mpm->dt > 0.0; e++) {
+		const struct wall_effect *effect = &w->wall_effects[e];
+		if (effect->push == 0.0)
+			continue;
+		if (count < n) {
+			struct mpm_wall_load *load = &loads[count];
+			int node = contact_home(mpm, w->wall_nodes[e].node), place[2] = {node % grid->nx, node / grid->nx};
+			load->wall = w->wall_nodes[e].wall;
+			for (int c = 0; c < 2; c++) {
+				load->at[c] = grid->origin[c] + place[c] * grid->spacing[c];
+				load->normal[c] = effect->normal[c];
+				load->force[c] = -effect->impulse[c] / mpm->dt;
+			}
+		}
+		count++;
+	}
+	return count;
+}
+
 void walls_move(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);

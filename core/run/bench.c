@@ -14,7 +14,7 @@ static int bench_compare(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-void bench_report(bool json, const char *name, const double *values, int repeats, const char *unit, int threads)
+double bench_report(bool json, const char *name, const double *values, int repeats, const char *unit, int threads)
 {
 	double sorted[64];
 	int n = repeats < 64 ? repeats : 64;
@@ -25,7 +25,7 @@ void bench_report(bool json, const char *name, const double *values, int repeats
 		printf("%-24s %12.5g %-18s (%.5g .. %.5g, %d repeats, %d %s)\n", name, median, unit, sorted[0], sorted[n - 1],
 			   n, threads, threads == 1 ? "thread" : "threads");
 		fflush(stdout);
-		return;
+		return median;
 	}
 	struct json line = {.stream = stdout};
 	json_open(&line, NULL, '{');
@@ -39,6 +39,7 @@ void bench_report(bool json, const char *name, const double *values, int repeats
 	json_close(&line, '}');
 	putchar('\n');
 	fflush(stdout);
+	return median;
 }
 
 void bench_header(bool json, int threads)

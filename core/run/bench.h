@@ -4,8 +4,8 @@
 
 #include <stdbool.h>
 
-/* One result: a JSON object on one line (name, value, unit, min, max, repeats, threads) or a readable line. */
-void bench_report(bool json, const char *name, const double *values, int repeats, const char *unit, int threads);
+/* One result, whose median it returns: a JSON object on one line (name, value, unit, min, max, repeats, threads) or a readable line. */
+double bench_report(bool json, const char *name, const double *values, int repeats, const char *unit, int threads);
 
 /* Prints machine, compiler and threads as a readable header (nothing for JSON, whose lines stand alone). */
 void bench_header(bool json, int threads);

@@ -208,11 +208,10 @@ static int checkpoint_check_path(hid_t file, const char *path, const struct mpm 
 	CHECK(h5_read_attribute_text(file, "code_path", &stored, path));
 	int status = STATUS_OK;
 	if (strcmp(stored, code_path))
-		status = error_set(STATUS_INPUT, "%s was computed on the path `%s`, this run would use `%s`: %s", path, stored,
-						   code_path,
-						   allow_path_change
-							   ? "states of one are not laid out as those of the other; give the law the path of then"
-							   : "the bits would change; --allow-path-change accepts that where the states are alike");
+		status = error_set(
+			STATUS_INPUT, "%s was computed on the path `%s`, this run would use `%s`: %s", path, stored, code_path,
+			allow_path_change ? "states of one are not laid out as those of the other; give the law the path of then"
+							  : "the bits would change; --allow-path-change accepts that where the states are alike");
 	free(stored);
 	return status;
 }

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 
+static const double BROKEN = 0.9;    /* damage: what has parted into two fields is not strained to the last */
 static const double NEIGHBOUR = 1.1; /* spacings at birth: along the rows of the lattice, not across */
 static const double TOUCHING = 1.6;  /* broken points that belong to one crack: across too */
 static const double PARTED = 2.5;    /* spacings now: so far apart no law holds neighbours */
@@ -56,7 +57,7 @@ static int boxes_create(struct boxes *boxes, const struct fragment_points *p, do
 	return STATUS_OK;
 }
 
-static int is_broken(const struct fragment_points *p, int k) { return p->damage[k] >= 1.0; }
+static int is_broken(const struct fragment_points *p, int k) { return p->damage[k] >= BROKEN; }
 
 static double distance2(const double a[2], const double b[2])
 {

@@ -1,6 +1,6 @@
 /* Pieces and cracks of what has broken: from points, their places at birth and now, and their damage.
  *
- * A piece is a set of unbroken points (damage < 1) of one body that are neighbours of each other on the body's lattice and
+ * A piece is a set of unbroken points (damage < 0.9) of one body that are neighbours of each other on the body's lattice and
  * have stayed so.  A crack begins at a place of the body at birth, and goes on through broken points that touch. */
 #ifndef TMDEMPM_RUN_FRAGMENTS_H
 #define TMDEMPM_RUN_FRAGMENTS_H

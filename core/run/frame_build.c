@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "run/frame_rve.h"
+#include "run/frame_walls.h"
 
 struct frame_work {
 	struct frame_builder *builder;
@@ -85,7 +86,7 @@ static void frame_domains(struct frame_work *work)
 	frame_point_arrays(work, FRAME_CELL);
 }
 
-/* ---- grid and walls ---- */
+/* ---- grid ---- */
 
 static void frame_grid(struct frame_work *work)
 {
@@ -111,59 +112,6 @@ static void frame_grid(struct frame_work *work)
 		frame_new_array(work, "temperature", scene_temperature_unit(work->mpm->scene), FRAME_POINT, FRAME_F64, 1, n);
 	for (int64_t i = 0; T && i < n; i++)
 		T[i] = grid->mass[i] > 0 ? scene_temperature_out(work->mpm->scene, grid->T_new[i]) : NAN;
-}
-
-static bool frame_wall_active(const struct mpm *mpm, int w)
-{
-	const struct scene *scene = mpm->scene;
-	const struct scene_wall *wall = &scene->walls[w];
-	if (mpm->time < wall->from || mpm->time >= wall->until)
-		return false;
-	if (mpm->stage < 0 || mpm->stage >= scene->n_stages || scene->stages[mpm->stage].n_walls < 0)
-		return true;
-	for (int i = 0; i < scene->stages[mpm->stage].n_walls; i++)
-		if (scene->stages[mpm->stage].walls[i] == w)
-			return true;
-	return false;
-}
-
-/* A polygon's outline is closed by its first corner. */
-static int frame_wall_points(const struct scene_wall *wall)
-{
-	return wall->n_vertices + (wall->shape == SCENE_WALL_POLYGON ? 1 : 0);
-}
-
-/* The walls that are active now, where they are now. */
-static void frame_walls(struct frame_work *work)
-{
-	const struct mpm *mpm = work->mpm;
-	const struct scene *scene = mpm->scene;
-	int n_points = 0, n_walls = 0;
-	for (int w = 0; w < scene->n_walls; w++)
-		if (frame_wall_active(mpm, w))
-			n_points += frame_wall_points(&scene->walls[w]), n_walls++;
-	if (!n_walls || !frame_new_channel(work, "walls", FRAME_POLYLINES, n_points, n_walls))
-		return;
-	double(*x)[3] = frame_coordinates(work, n_points);
-	for (int w = 0, i = 0; x && w < scene->n_walls; w++)
-		if (frame_wall_active(mpm, w))
-			for (int v = 0; v < frame_wall_points(&scene->walls[w]); v++, i++)
-				for (int c = 0; c < 2; c++)
-					x[i][c] = scene->walls[w].vertices[v % scene->walls[w].n_vertices][c] + mpm->wall_offset[w][c];
-	int32_t *offsets = frame_new_array(work, "offsets", "-", FRAME_GEOMETRY, FRAME_I32, 1, n_walls + 1);
-	for (int w = 0, cell = 0; offsets && w < scene->n_walls; w++)
-		if (frame_wall_active(mpm, w))
-			offsets[cell + 1] = offsets[cell] + frame_wall_points(&scene->walls[w]), cell++;
-	int32_t *number = frame_new_array(work, "wall", "-", FRAME_CELL, FRAME_I32, 1, n_walls);
-	for (int w = 0, cell = 0; number && w < scene->n_walls; w++)
-		if (frame_wall_active(mpm, w))
-			number[cell++] = w;
-	double(*force)[3] = frame_new_array(work, "force", "N", FRAME_CELL, FRAME_F64, 3, n_walls);
-	for (int w = 0, cell = 0; force && w < scene->n_walls; w++)
-		if (frame_wall_active(mpm, w)) {
-			force[cell][0] = mpm->walls[w].force[0];
-			force[cell++][1] = mpm->walls[w].force[1];
-		}
 }
 
 /* ---- RVEs ---- */
@@ -226,7 +174,7 @@ int frame_build(struct frame_builder *builder, const struct mpm *mpm, struct run
 	frame_points(&work);
 	frame_domains(&work);
 	frame_grid(&work);
-	frame_walls(&work);
+	work.failed |= frame_walls_add(builder, mpm) != STATUS_OK;
 	for (int i = 0; i < inspected->n; i++)
 		frame_inspected(&work, inspected, &inspected->rves[i]);
 	*frame = work.failed ? NULL : frame_finish(builder, bytes);

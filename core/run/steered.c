@@ -108,7 +108,10 @@ int steered_open(struct run *run, bool continues)
 		CHECK(steered_restore(run, log, continues));
 	if (run->options->paused)
 		steering_offer(run->steering, "--paused", "pause=1");
-	if (steering_socket_create(&run->socket, run->steering, run->folder, run->folder_lock) != STATUS_OK)
+	int status = steering_socket_create(&run->socket, run->steering, run->folder, run->folder_lock);
+	if (status != STATUS_OK && run->options->paused)
+		return error_context(status, "--paused: `tmdempm steer` could not let this run go on");
+	if (status != STATUS_OK) /* as on file systems without sockets */
 		log_line(&run->log, "`tmdempm steer` cannot reach this run: %s", error_message());
 	return STATUS_OK;
 }

@@ -22,9 +22,9 @@ static void inspect_disc(const struct rve_model *model, const unsigned char *sta
 	const double *H = head->H;
 	disc->x = H[0] * x + H[1] * y;
 	disc->y = H[2] * x + H[3] * y;
-	disc->radius =
-		model->variants[head->variant].table[TABLE_R * model->serial.stride + ((const index16 *)(state + layout->id))[row]] *
-		(1.0 + model->params.expansion * head->temperature);
+	disc->radius = model->variants[head->variant]
+					   .table[TABLE_R * model->serial.stride + ((const index16 *)(state + layout->id))[row]] *
+				   (1.0 + model->params.expansion * head->temperature);
 	disc->displacement[0] = (double)t[DISC32_UX * layout->stride] + H[0] * qx + H[1] * qy;
 	disc->displacement[1] = (double)t[DISC32_UY * layout->stride] + H[2] * qx + H[3] * qy;
 	disc->rotation = (double)t[DISC32_ROTATION * layout->stride];

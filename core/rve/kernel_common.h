@@ -120,9 +120,8 @@ THREADFN void head_from_totals(SHARED struct rve_head *head, const struct rve_co
 	head->contacts = total[LANE_CONTACTS];
 	head->sliding = total[LANE_SLIDING];
 	head->max_overlap = total[LANE_OVERLAP];
-	head->unbalanced = total[LANE_FORCE] > 0.0
-						   ? total[LANE_UNBALANCED] / n * total[LANE_CONTACTS] / total[LANE_FORCE]
-						   : 0.0;
+	head->unbalanced =
+		total[LANE_FORCE] > 0.0 ? total[LANE_UNBALANCED] / n * total[LANE_CONTACTS] / total[LANE_FORCE] : 0.0;
 	head->bonds_intact = (int)total[LANE_BONDS];
 	head->total_sub_steps += call->sub_steps;
 	head->sub_steps = call->sub_steps;

@@ -14,8 +14,8 @@ struct rve_variant {
 	unsigned char *packed_table; /* packed paths: PACKED_TABLE numbers for each disc and the ghost */
 	unsigned char *serial_start; /* the state at birth, as the serial kernel makes it */
 	unsigned char *start;        /* the same for this model's path */
-	double volume;        /* m3 */
-	double solid_area;    /* m2, sum pi r^2 at the reference temperature */
+	double volume;               /* m3 */
+	double solid_area;           /* m2, sum pi r^2 at the reference temperature */
 	double void_ratio;
 };
 
@@ -29,7 +29,7 @@ struct rve_model {
 	struct rve_variant *variants;
 	rve_kernel *kernel;
 	rve_packed_kernel *packed; /* NULL on the serial path */
-	unsigned char *scratch; /* for each thread: the kernel's, then room for one state */
+	unsigned char *scratch;    /* for each thread: the kernel's, then room for one state */
 	size_t scratch_stride;
 	int kept; /* where in it that room begins */
 };
@@ -43,10 +43,11 @@ unsigned char *rve_scratch(const struct rve_model *model, int thread);
 
 /* What happens to an RVE in one call. */
 struct rve_motion {
-	double L[4];     /* 1/s, acts for `duration` */
-	double dT;       /* K, by which the temperature rises */
-	double T;        /* K, absolute, at the end */
-	double duration; /* s */
+	double L[4];                /* 1/s, acts for `duration` */
+	double dT;                  /* K, by which the temperature rises */
+	double T;                   /* K, absolute, at the end */
+	double duration;            /* s */
+	const unsigned char *ahead; /* the state that the thread works on next, or NULL */
 };
 
 /* sub_steps of dt_DEM that share the motion; sub_steps = 0 measures the state.  `rebuild`: the neighbour list is not

@@ -11,12 +11,13 @@
  *  - The kick of a sub-step and the motion of the next one are one pass over the discs.
  *
  * In single precision (RVE_FLOAT) coordinates are whole numbers that wrap around, in 2^-32 of the cell, and what is
- * less than that is carried on in `rest`: a plain single would lose steps of 1e-9.  The cell and all totals are double. */
+ * less than that is carried on in `rest`: a plain single would lose steps of 1e-9.  The cell and all totals are double.
+ */
 #ifndef TMDEMPM_RVE_PACKED_H
 #define TMDEMPM_RVE_PACKED_H
 
-#include "rve/kernel_common.h"
 #include "rve/kernel_cell.h"
+#include "rve/kernel_common.h"
 #include "rve/vector.h"
 
 /* Sums that a block keeps in registers, for each lane. */
@@ -30,6 +31,7 @@ struct packed_place {
 	const struct rve_call *call;
 	const num *table; /* records of PACKED_TABLE numbers, in the packing's order */
 	unsigned char *state;
+	const unsigned char *ahead;
 	struct rve_head *head;
 	double H_inv[4], scale, scale_step, bond_temperature, bond_force;
 	double displacement, second; /* m: the two largest non-affine ways since the list was made */
@@ -46,7 +48,7 @@ struct packed_place {
 	num *r, *mass, *step_mass, *step_inertia, *rotation; /* of the rows */
 	num *own;                                            /* forces x, y and torques from the pairs that a row owns */
 	num *record, *velocity, *force;
-	uint32_t *offset; /* of the pairs: bytes to the velocity of the other disc */
+	uint32_t *offset;    /* of the pairs: bytes to the velocity of the other disc */
 	unsigned char *free; /* the rest of it: for the neighbour search */
 };
 
@@ -105,10 +107,11 @@ static inline void packed_cell_step(struct packed_place *at)
 /* One RVE, call->sub_steps sub-steps.  `scratch` is layout->scratch bytes, 64-byte aligned. */
 KERNEL(rve_packed)
 (const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
- GLOBAL const void *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
+ GLOBAL const void *table, GLOBAL unsigned char *state, GLOBAL const unsigned char *ahead, LOCAL unsigned char *scratch,
+ int *status)
 {
 	struct packed_place place = {
-		.layout = layout, .constants = constants, .call = call, .table = table, .state = state};
+		.layout = layout, .constants = constants, .call = call, .table = table, .state = state, .ahead = ahead};
 	struct packed_place *at = &place;
 	packed_open(at, scratch);
 	packed_load(at);

@@ -1,3 +1,5 @@
-/* The packed RVE kernel in double precision for x86-64-v4 (compiled with -march=x86-64-v4, called only where that runs). */
+/* The packed RVE kernel in double precision for x86-64-v4 (compiled with -march=x86-64-v4, called only where that
+ * runs). */
 #define RVE_KERNEL_SUFFIX 64_v4
 #include "rve/packed.h"
+#include "rve/peak.h"

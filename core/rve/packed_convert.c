@@ -60,7 +60,8 @@ static real *serial_disc(const struct rve_layout *layout, const unsigned char *s
 }
 
 /* Row `from` of the serial state becomes row `to` of the packed one. */
-static void pack_disc(const struct rve_model *model, const unsigned char *serial, int from, unsigned char *packed, int to)
+static void pack_disc(const struct rve_model *model, const unsigned char *serial, int from, unsigned char *packed,
+					  int to)
 {
 	const struct rve_layout *s = &model->serial, *p = &model->layout;
 	const double dt = model->constants.dt;
@@ -85,7 +86,8 @@ static void pack_disc(const struct rve_model *model, const unsigned char *serial
 	((index16 *)(packed + p->id))[to] = ((const index16 *)(serial + s->id))[from];
 }
 
-static void unpack_disc(const struct rve_model *model, const unsigned char *packed, int from, unsigned char *serial, int to)
+static void unpack_disc(const struct rve_model *model, const unsigned char *packed, int from, unsigned char *serial,
+						int to)
 {
 	const struct rve_layout *s = &model->serial, *p = &model->layout;
 	for (int axis = 0; axis < 2; axis++) {
@@ -102,7 +104,8 @@ static void unpack_disc(const struct rve_model *model, const unsigned char *pack
 }
 
 /* What a pair remembers. */
-static void pack_pair(const struct rve_model *model, const unsigned char *serial, int from, unsigned char *packed, int to)
+static void pack_pair(const struct rve_model *model, const unsigned char *serial, int from, unsigned char *packed,
+					  int to)
 {
 	const struct rve_layout *s = &model->serial, *p = &model->layout;
 	set_number(p, packed + p->ft, to, ((const real *)(serial + s->ft))[from] + 0.0); /* no -0 */
@@ -111,7 +114,8 @@ static void pack_pair(const struct rve_model *model, const unsigned char *serial
 	packed[p->flag + to] = serial[s->flag + from];
 }
 
-static void unpack_pair(const struct rve_model *model, const unsigned char *packed, int from, unsigned char *serial, int to)
+static void unpack_pair(const struct rve_model *model, const unsigned char *packed, int from, unsigned char *serial,
+						int to)
 {
 	const struct rve_layout *s = &model->serial, *p = &model->layout;
 	((real *)(serial + s->ft))[to] = number(p, packed + p->ft, from);
@@ -165,7 +169,8 @@ int rve_slot(const struct rve_layout *layout, const void *state, int row, int le
 	const unsigned char *bytes = state;
 	const index16 *first = (const index16 *)(bytes + layout->first) + row / layout->lanes;
 	const int slot = (first[0] + level) * layout->lanes + row % layout->lanes;
-	return first[0] + level < first[1] && ((const index16 *)(bytes + layout->pair_j))[slot] != layout->stride ? slot : -1;
+	return first[0] + level < first[1] && ((const index16 *)(bytes + layout->pair_j))[slot] != layout->stride ? slot
+																											  : -1;
 }
 
 double rve_place(const struct rve_layout *layout, const void *state, int row, int axis)

@@ -2,7 +2,8 @@
  *
  * Same pairs, same owners and same validity as the serial kernel's (kernel_neighbours.h).  Rows are sorted by how many
  * of their own pairs touch, then by how many there are, and a row's touching pairs come first: the later levels of a
- * block are then the ones that packed_pairs() leaves early.  Scalars in double: this is done every 20 to 60 sub-steps. */
+ * block are then the ones that packed_pairs() leaves early.  Scalars in double: this is done every 20 to 60 sub-steps.
+ */
 
 /* Discs and their images around the cell, sorted by grid cell: at most 4 n. */
 struct packed_rim {
@@ -35,7 +36,8 @@ static inline long packed_build_scratch(const struct rve_layout *layout)
 	const long row = layout->stride, grid = layout->grid, levels = layout->levels + 1;
 	long bytes = (long)sizeof(num) * 3 * (4 * row + LANE_COUNT) + (long)sizeof(double) * 2 * row;
 	bytes += (long)sizeof(int) * 2 * packed_pairs_most(layout);
-	bytes += (long)sizeof(int) * (4 * row + LANE_COUNT + 6 * row + grid * grid + 1 + (grid + 2) * (grid + 2) + 1 + levels * levels + 1);
+	bytes += (long)sizeof(int) *
+			 (4 * row + LANE_COUNT + 6 * row + grid * grid + 1 + (grid + 2) * (grid + 2) + 1 + levels * levels + 1);
 	bytes += (long)sizeof(index16) * (levels + 2) * row;
 	bytes += (long)(sizeof(num) + 2 * sizeof(real32) + 1) * layout->pairs + (long)sizeof(num) * row;
 	return bytes + 20 * 64;
@@ -186,8 +188,8 @@ VECFN int packed_look(struct packed_search *s, int a, int begin, int end, vec sk
 	return found;
 }
 
-/* All pairs in reach, each once: a disc with the later ones of its cell and with its right neighbour, and with the three
- * cells above.  Their number; -1: there is no room for so many. */
+/* All pairs in reach, each once: a disc with the later ones of its cell and with its right neighbour, and with the
+ * three cells above.  Their number; -1: there is no room for so many. */
 static inline int packed_find(const struct packed_place *at, struct packed_search *s, const int grid[2])
 {
 	const int columns = grid[0] + 2, most = at->layout->pairs;
@@ -209,8 +211,8 @@ static inline int packed_find(const struct packed_place *at, struct packed_searc
 	return found;
 }
 
-/* Gives each pair to the disc that owns it: of two discs of even and odd index the lower one, else the higher one.  0 if
- * one has too many. */
+/* Gives each pair to the disc that owns it: of two discs of even and odd index the lower one, else the higher one.  0
+ * if one has too many. */
 static inline int packed_deal(const struct packed_place *at, struct packed_search *s, int pairs)
 {
 	const int levels = at->layout->levels + 1;
@@ -312,9 +314,10 @@ static inline void packed_write(struct packed_place *at, struct packed_search *s
 static inline void packed_move(struct packed_place *at, struct packed_search *s)
 {
 	const int n = at->layout->n;
-	num *wide[] = {at->vx, at->vy, at->w, at->rotation, at->r, at->mass, at->step_mass, at->step_inertia,
+	num *wide[] = {at->vx,        at->vy,           at->w,         at->rotation, at->r, at->mass,
+				   at->step_mass, at->step_inertia,
 #ifdef RVE_FLOAT
-				   at->rest_x, at->rest_y, (num *)at->sx, (num *)at->sy
+				   at->rest_x,    at->rest_y,       (num *)at->sx, (num *)at->sy
 #else
 				   at->sx, at->sy
 #endif

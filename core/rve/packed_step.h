@@ -144,7 +144,8 @@ VECFN void packed_discs_of_kind(struct packed_place *at, const double H_inv[4], 
 					vec_store(at->rotation + row, vec_load(at->rotation + row) + w);
 				}
 				if (measure) {
-					vec before_x = x - fx * step_mass, before_y = y - fy * step_mass, before_w = w - torque * step_inertia;
+					vec before_x = x - fx * step_mass, before_y = y - fy * step_mass,
+						before_w = w - torque * step_inertia;
 					vxx[part] += mass * x * x;
 					vyy[part] += mass * y * y;
 					vxy[part] += mass * x * y;
@@ -270,8 +271,8 @@ struct packed_side {
 	vec x, y, r, w, vx, vy, radius, fx, fy, torque;
 };
 
-/* A vector of pairs that touch, or did before, on its way: branch and what there is of the other discs, then what goes to
- * these. */
+/* A vector of pairs that touch, or did before, on its way: branch and what there is of the other discs, then what goes
+ * to these. */
 struct packed_near {
 	vec bx, by, square, r, w;
 	vec fx, fy, torque;
@@ -296,15 +297,16 @@ VECFN int packed_reach(const struct packed_pointers at, const struct packed_cont
 	/* without the root, which takes long; a little more than those that touch */
 	const vec touching = (i->radius + near->r * c->scale) * vec_set(VECTOR_PICK(1.0 + 1e-14, 1.0F + 1e-6F));
 	const mask touches = mask_above(touching * vec_max(touching, zero), near->square);
-	const mask touched = mask_or(mask_different(vec_load(at.ft + p), zero), mask_different(vec_load32(at.fd + p), zero));
+	const mask touched =
+		mask_or(mask_different(vec_load(at.ft + p), zero), mask_different(vec_load32(at.fd + p), zero));
 	const mask works = mask_or(touches, touched);
 	return mask_any(bonds ? mask_or(works, mask_flags(at.flag + p, BOND_INTACT)) : works);
 }
 
-/* The forces of a vector of pairs: on `i`, on the other discs for packed_react(), and sums.  `last`: also everything that
- * the homogenisation needs.  See contacts_of_level() for bonds. */
-VECFN void packed_pairs(const struct packed_pointers at, const struct packed_contact *c, struct packed_side *i, const int p,
-						struct packed_near *near, struct packed_sums *sum, const int part, const int last,
+/* The forces of a vector of pairs: on `i`, on the other discs for packed_react(), and sums.  `last`: also everything
+ * that the homogenisation needs.  See contacts_of_level() for bonds. */
+VECFN void packed_pairs(const struct packed_pointers at, const struct packed_contact *c, struct packed_side *i,
+						const int p, struct packed_near *near, struct packed_sums *sum, const int part, const int last,
 						const int bonds, const int grows)
 {
 #define SUM(field) sum->of[field][part]
@@ -414,7 +416,8 @@ VECFN void packed_react(const struct packed_pointers at, const int p, const stru
 	vec_add3(to, near->fx, near->fy, near->torque);
 }
 
-VECFN void packed_side_load(const struct packed_place *at, const struct packed_contact *c, struct packed_side *i, int row)
+VECFN void packed_side_load(const struct packed_place *at, const struct packed_contact *c, struct packed_side *i,
+							int row)
 {
 	i->x = coord_as_record(at->sx + row), i->y = coord_as_record(at->sy + row);
 	i->r = vec_load(at->r + row), i->w = vec_load(at->w + row);
@@ -442,7 +445,11 @@ VECFN void packed_contacts_of_kind(struct packed_place *at, const int last, cons
 #pragma GCC unroll 32
 	for (int field = 0; field < fields; field++)
 		EACH_PART sum.of[field][part] = vec_set(0);
+	const int share = (at->layout->flag / blocks + 63) / 64 * 64; /* of what is read of each state */
 	for (int block = 0; block < blocks; block++) {
+		if (last && at->ahead)
+			for (int k = 0; k < share; k += 64)
+				__builtin_prefetch(at->ahead + block * share + k, 1, 2);
 		struct packed_side side[BLOCK_PARTS];
 		EACH_PART packed_side_load(at, &contact, &side[part], block * LANE_COUNT + part * VECTOR_WIDTH);
 		for (int level = first[block]; level < first[block + 1]; level++)

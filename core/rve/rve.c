@@ -252,11 +252,26 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	return STATUS_OK;
 }
 
+/* Single precision errs by about 1 Pa from 10 to 100 kPa, by up to 60 Pa at 1 kPa: scenarios/studies/rve_precision.cfg.
+ */
+static const double single_pressure = 10e3; /* Pa */
+
+static int check_precision(const struct rve_params *params, const struct rve_packing *packing)
+{
+	if (params->path != RVE_SIMD_SINGLE || !(packing->pressure < single_pressure))
+		return STATUS_OK;
+	return error_set(STATUS_INPUT,
+					 "path = \"single\" errs by too much in a packing at %g Pa, expected %g Pa at least; cure: "
+					 "path = \"simd\"",
+					 packing->pressure, single_pressure);
+}
+
 static int model_fill(struct rve_model *model, const struct rve_params *params, int n,
 					  const struct rve_packing *const *packings)
 {
 	double r_min = INFINITY, r_max = 0.0, r_sum = 0.0;
 	for (int v = 0; v < n; v++) {
+		CHECK(check_precision(params, packings[v]));
 		if (packings[v]->n_discs != packings[0]->n_discs)
 			return error_set(STATUS_INPUT, "packings of %d and %d discs in one law: variants need equal numbers",
 							 packings[0]->n_discs, packings[v]->n_discs);
@@ -391,7 +406,8 @@ enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state,
 	const struct rve_call call = call_of(motion, sub_steps, rebuild);
 	int status = KERNEL_OK;
 	if (model->packed)
-		model->packed(&model->layout, &model->constants, &call, variant->packed_table, state, scratch, &status);
+		model->packed(&model->layout, &model->constants, &call, variant->packed_table, state, motion->ahead, scratch,
+					  &status);
 	else
 		model->kernel(&model->serial, &model->constants, &call, variant->table, state, scratch, &status);
 	return (enum rve_kernel_status)status;
@@ -735,6 +751,11 @@ struct rve_motion rve_batch_motion(const struct rve_batch *batch, int k)
 		.L = {L[0], L[1], L[2], L[3]}, .dT = batch->dT[k], .T = batch->T ? batch->T[k] : 0.0, .duration = batch->dt};
 }
 
+static unsigned char *batch_state(const struct rve_model *model, const struct rve_batch *batch, int k)
+{
+	return batch->states + (size_t)(batch->slot ? batch->slot[k] : k) * (size_t)model->layout.bytes;
+}
+
 void rve_answer(const struct rve_model *model, struct rve_batch *batch, int k, const struct rve_head *head,
 				double friction)
 {
@@ -753,13 +774,16 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 	int threads = omp_get_max_threads() < model->n_threads ? omp_get_max_threads() : model->n_threads;
 	threads = threads < batch->n ? threads : batch->n > 0 ? batch->n : 1; /* no team for a single RVE */
 	batch->failed = -1;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+	/* a few at a time, so that a thread knows what comes next; as many chunks as keep the threads even */
+	const int chunk = batch->n / (16 * threads) > 8 ? 8 : batch->n / (16 * threads) + 1;
+#pragma omp parallel for schedule(dynamic, chunk) num_threads(threads)
 	for (int k = 0; k < batch->n; k++) {
-		unsigned char *state = batch->states + (size_t)(batch->slot ? batch->slot[k] : k) * (size_t)model->layout.bytes;
+		unsigned char *state = batch_state(model, batch, k);
 		const struct rve_head *head = head_of(state);
 		double friction = head->ledger[LEDGER_FRICTION];
-		struct rve_outcome outcome =
-			rve_advance_one(model, state, rve_scratch(model, omp_get_thread_num()), rve_batch_motion(batch, k));
+		struct rve_motion motion = rve_batch_motion(batch, k);
+		motion.ahead = k + 1 < batch->n && (k + 1) % chunk != 0 ? batch_state(model, batch, k + 1) : NULL;
+		struct rve_outcome outcome = rve_advance_one(model, state, rve_scratch(model, omp_get_thread_num()), motion);
 		rve_answer(model, batch, k, head, friction);
 		if (outcome.kind != OUTCOME_OK) {
 #pragma omp critical(rve_failure)
@@ -782,6 +806,16 @@ void rve_evaluate(const struct rve_model *model, const void *state, double stres
 	memcpy(stress, head->stress, sizeof head->stress);
 	memcpy(conductivity, head->conductivity, sizeof head->conductivity);
 	*modulus = head->modulus;
+}
+
+double rve_peak(int rounds, double *sum)
+{
+#ifdef RVE_KERNEL_X86
+	const char *isa = rve_isa();
+	if (strcmp(isa, "base") != 0)
+		return strcmp(isa, "v4") == 0 ? rve_peak64_v4(rounds, sum) : rve_peak64_v3(rounds, sum);
+#endif
+	return rve_peak64_base(rounds, sum);
 }
 
 /* ---- what a state says of itself ---- */

@@ -95,6 +95,10 @@ struct rve_batch {
  * the batch.  STATUS_GUARD (overlap, NaN) names the RVE in the message and sets batch->failed. */
 int rve_advance(const struct rve_model *model, struct rve_batch *batch);
 
+/* For benchmarks: `rounds` rounds of arithmetic as fast as the kernels' vectors can do it; how many operations these
+ * were.  Adds what comes out to *sum. */
+double rve_peak(int rounds, double *sum);
+
 /* Bonds all contacts that carry force (eqs. 38 to 40); bonds that are there stay.  Changes no force.  An RVE that flies
  * or is frozen gets none, nor does any if bond_strength = 0. */
 void rve_install_bonds(const struct rve_model *model, void *state);

@@ -147,12 +147,16 @@ void rve_kernel_v4(const struct rve_layout *layout, const struct rve_constants *
 int rve_kernel_scratch_bytes(const struct rve_layout *layout);
 
 /* The packed kernel in double and in single precision; `table`: PACKED_TABLE numbers of that precision for each disc
- * and the ghost. */
+ * and the ghost; `ahead`: the state that comes next, fetched from memory meanwhile, or NULL. */
 typedef void rve_packed_kernel(const struct rve_layout *layout, const struct rve_constants *constants,
 							   const struct rve_call *call, GLOBAL const void *table, GLOBAL unsigned char *state,
-							   LOCAL unsigned char *scratch, int *status);
+							   GLOBAL const unsigned char *ahead, LOCAL unsigned char *scratch, int *status);
 rve_packed_kernel rve_packed64_base, rve_packed64_v3, rve_packed64_v4;
 rve_packed_kernel rve_packed32_base, rve_packed32_v3, rve_packed32_v4;
+
+/* Operations of `rounds` rounds of arithmetic in double precision: peak.h. */
+typedef double rve_peak_kernel(int rounds, double *sum);
+rve_peak_kernel rve_peak64_base, rve_peak64_v3, rve_peak64_v4;
 
 int rve_packed64_scratch(const struct rve_layout *layout);
 int rve_packed32_scratch(const struct rve_layout *layout);

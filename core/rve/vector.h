@@ -45,8 +45,8 @@ enum {
 	LANE_COUNT = 64 / sizeof(num),
 	VECTOR_WIDTH = VECTOR_BYTES / sizeof(num),
 	BLOCK_PARTS = 64 / VECTOR_BYTES,
-	RECORD = 4,                    /* numbers in the record of a disc: x, y, r, w; and in that of its forces: x, y, torque */
-	VELOCITY = VECTOR_PICK(2, 4)   /* in that of its velocity: x, y; 16 bytes */
+	RECORD = 4, /* numbers in the record of a disc: x, y, r, w; and in that of its forces: x, y, torque */
+	VELOCITY = VECTOR_PICK(2, 4) /* in that of its velocity: x, y; 16 bytes */
 };
 
 typedef num vec __attribute__((vector_size(VECTOR_BYTES), may_alias));
@@ -86,10 +86,7 @@ VECFN void vec_store32(real32 *p, vec x) { *(vec32 *)p = __builtin_convertvector
 VECFN vec vec_max(vec a, vec b) { return (vec)VECTOR_PICK(_mm512_max_pd, _mm512_max_ps)(a, b); }
 VECFN vec vec_min(vec a, vec b) { return (vec)VECTOR_PICK(_mm512_min_pd, _mm512_min_ps)(a, b); }
 VECFN vec vec_sqrt(vec a) { return (vec)VECTOR_PICK(_mm512_sqrt_pd, _mm512_sqrt_ps)(a); }
-VECFN mask mask_above(vec a, vec b)
-{
-	return VECTOR_PICK(_mm512_cmp_pd_mask, _mm512_cmp_ps_mask)(a, b, _CMP_GT_OQ);
-}
+VECFN mask mask_above(vec a, vec b) { return VECTOR_PICK(_mm512_cmp_pd_mask, _mm512_cmp_ps_mask)(a, b, _CMP_GT_OQ); }
 VECFN mask mask_different(vec a, vec b)
 {
 	return VECTOR_PICK(_mm512_cmp_pd_mask, _mm512_cmp_ps_mask)(a, b, _CMP_NEQ_UQ);
@@ -126,10 +123,7 @@ VECFN mask mask_flags(const unsigned char *p, unsigned char value)
 VECFN vec vec_max(vec a, vec b) { return (vec)VECTOR_PICK(_mm256_max_pd, _mm256_max_ps)(a, b); }
 VECFN vec vec_min(vec a, vec b) { return (vec)VECTOR_PICK(_mm256_min_pd, _mm256_min_ps)(a, b); }
 VECFN vec vec_sqrt(vec a) { return (vec)VECTOR_PICK(_mm256_sqrt_pd, _mm256_sqrt_ps)(a); }
-VECFN int mask_any(mask m)
-{
-	return VECTOR_PICK(_mm256_movemask_pd((__m256d)m), _mm256_movemask_ps((__m256)m)) != 0;
-}
+VECFN int mask_any(mask m) { return VECTOR_PICK(_mm256_movemask_pd((__m256d)m), _mm256_movemask_ps((__m256)m)) != 0; }
 #elif defined(VECTOR_X86)
 VECFN vec vec_max(vec a, vec b) { return (vec)VECTOR_PICK(_mm_max_pd, _mm_max_ps)(a, b); }
 VECFN vec vec_min(vec a, vec b) { return (vec)VECTOR_PICK(_mm_min_pd, _mm_min_ps)(a, b); }
@@ -154,8 +148,8 @@ VECFN int mask_any(mask m)
 #endif
 #endif
 
-/* Appends to `to` the numbers at `from` whose lanes are in `in`, with `mark` set where they are in `marked` too; how many.
- * Writes up to VECTOR_WIDTH numbers. */
+/* Appends to `to` the numbers at `from` whose lanes are in `in`, with `mark` set where they are in `marked` too; how
+ * many. Writes up to VECTOR_WIDTH numbers. */
 VECFN int ints_pick(int *to, const int *from, mask in, mask marked, int mark)
 {
 #if defined(VECTOR_512) && defined(RVE_FLOAT)

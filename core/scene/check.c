@@ -112,8 +112,8 @@ static void check_unique(struct loader *loader, const char *list)
 
 static void check_names(struct loader *loader)
 {
-	static const char *const lists[] = {"laws",   "materials", "bodies",  "walls",   "boundaries",
-										"stages", "probes",    "regions", "cracks", "inspect", "images"};
+	static const char *const lists[] = {"laws",   "materials", "bodies", "walls",   "boundaries", "stages",
+										"probes", "regions",   "cracks", "inspect", "images"};
 	for (size_t k = 0; k < sizeof lists / sizeof *lists; k++)
 		check_unique(loader, lists[k]);
 	const struct node *laws = node_find(loader->root, "laws");
@@ -189,11 +189,12 @@ static void check_rankine(struct loader *loader, const struct scene_law_rankine 
 	double longest = law->young * law->fracture_energy / (law->strength * law->strength);
 	if (loader_clean(loader, "grid") && loader->scene->grid.cell * M_SQRT2 > longest) {
 		char key[PATH_LENGTH];
-		problem_of(loader, path_print(key, "%s.fracture_energy", path),
-				   "is too small for cells of %g m: a cracking point would snap back, expected cells of %.4g m or less = "
-				   "young fracture_energy / (sqrt(2) strength^2), or a fracture_energy of %.4g J/m2",
-				   loader->scene->grid.cell, longest / M_SQRT2,
-				   loader->scene->grid.cell * M_SQRT2 * law->strength * law->strength / law->young);
+		problem_of(
+			loader, path_print(key, "%s.fracture_energy", path),
+			"is too small for cells of %g m: a cracking point would snap back, expected cells of %.4g m or less = "
+			"young fracture_energy / (sqrt(2) strength^2), or a fracture_energy of %.4g J/m2",
+			loader->scene->grid.cell, longest / M_SQRT2,
+			loader->scene->grid.cell * M_SQRT2 * law->strength * law->strength / law->young);
 	}
 }
 
@@ -224,7 +225,8 @@ static double p_wave_modulus(const struct scene_law *law)
 	bool rankine = law->type == SCENE_LAW_RANKINE;
 	double e = rankine ? law->rankine.young : law->thermoelastic.young;
 	double nu = rankine ? law->rankine.poisson : law->thermoelastic.poisson;
-	return !rankine && law->thermoelastic.plane_stress ? e / (1.0 - nu * nu) : e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
+	return !rankine && law->thermoelastic.plane_stress ? e / (1.0 - nu * nu)
+													   : e * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
 }
 
 /* The two step limits, where the file tells enough: dt <= b h sqrt(rho/M), dt_thermal <= rho c h^2 / (2 k). */
@@ -337,7 +339,7 @@ static bool check_polygon(struct loader *loader, const char *path, int n, const 
 
 static const char *shape_key(const struct loader *loader, const char *list, int k)
 {
-	static const char *const shapes[] = {"polygon", "box", "wedge", "line", "disc", "ring"};
+	static const char *const shapes[] = {"polygon", "box", "wedge", "line", "disc", "ring", "outline", "mask"};
 	const struct node *elements = node_find(loader->root, list);
 	for (size_t s = 0; s < sizeof shapes / sizeof *shapes; s++)
 		if (node_find(elements->children[k], shapes[s]))
@@ -481,6 +483,25 @@ static void check_cuts(struct loader *loader, int k)
 	}
 }
 
+/* False (recorded) if the body's mask makes no region. */
+static bool check_mask(struct loader *loader, int k)
+{
+	const struct scene_body *body = &loader->scene->bodies[k];
+	const struct node *mask = node_find(node_find(loader->root, "bodies")->children[k], "mask");
+	char path[PATH_LENGTH];
+	path_to(path, "bodies", k, "mask");
+	if (!mask)
+		return true;
+	if (!body->mask.inside || isnan(body->mask.pixel))
+		problem_of(loader, path, "has no %s, expected file and pixel", body->mask.inside ? "pixel" : "file");
+	else if (body->n_vertices == 0)
+		problem_of(loader, path, "'%s' has no pixel from %d to %d, expected some", body->mask.file, body->mask.level[0],
+				   body->mask.level[1]);
+	else
+		return true;
+	return false;
+}
+
 static void check_bodies(struct loader *loader)
 {
 	struct scene *scene = loader->scene;
@@ -500,9 +521,10 @@ static void check_bodies(struct loader *loader)
 		if (loader_clean(loader, "grid"))
 			check_cuts(loader, k);
 		path_to(path, "bodies", k, shape_key(loader, "bodies", k));
+		if (!check_mask(loader, k))
+			continue;
 		if (!*shape_key(loader, "bodies", k)) {
-			problem_of(loader, path,
-					   "has no shape, expected box = [...], polygon = (...), disc = [...] or ring = [...]");
+			problem_of(loader, path, "has no shape, expected box, polygon, disc, ring, outline or mask");
 		} else if (loader_clean(loader, "grid") &&
 				   check_polygon(loader, path, body->n_vertices, (const double(*)[2])body->vertices)) {
 			check_in_grid(loader, path, body);
@@ -709,7 +731,8 @@ static void check_boundaries(struct loader *loader)
 		bool of_points = scene_boundary_heats_points(b) || scene_boundary_loads_points(b);
 		if (!nodal && !of_points && clean_element(loader, "boundaries", k))
 			problem_of(loader, path_to(path, "boundaries", k, ""),
-					   "imposes nothing, expected velocity_x, velocity_y, temperature, flux, convection, traction_x or traction_y");
+					   "imposes nothing, expected velocity_x, velocity_y, temperature, flux, convection, traction_x or "
+					   "traction_y");
 		if (b->until <= b->from)
 			problem_of(loader, path_to(path, "boundaries", k, "until"), "is %g s, expected more than from = %g s",
 					   b->until, b->from);
@@ -1014,13 +1037,15 @@ static void check_contacts(struct loader *loader)
 		return;
 	/* heat that waits belongs to a field, and the next step may have others */
 	if (scene->thermal.on && scene->time.thermal_every > 1)
-		problem_of(loader, "time.thermal_every",
-				   "is %d, but with contacts heat flows in every step, expected 1, and thermal.time_scale for slow heat",
-				   scene->time.thermal_every);
+		problem_of(
+			loader, "time.thermal_every",
+			"is %d, but with contacts heat flows in every step, expected 1, and thermal.time_scale for slow heat",
+			scene->time.thermal_every);
 	if (scene->mpm.confining_pressure > 0.0)
-		problem_of(loader, "mpm.confining_pressure",
-				   "is %g Pa, but where bodies meet there is no telling which surface is free, expected 0 with contacts",
-				   scene->mpm.confining_pressure);
+		problem_of(
+			loader, "mpm.confining_pressure",
+			"is %g Pa, but where bodies meet there is no telling which surface is free, expected 0 with contacts",
+			scene->mpm.confining_pressure);
 }
 
 void check_scene(struct loader *loader)

@@ -13,6 +13,8 @@ READER(read_material_law);
 READER(read_material_name);
 READER(read_body_shape);
 READER(read_body_circle);
+READER(read_body_outline);
+READER(read_mask_file);
 READER(read_motion_solution);
 READER(read_motion_parameters);
 READER(read_wall_shape);

@@ -25,9 +25,21 @@ void scene_body_turn(const struct scene_body *body, double direction, double x[2
 	x[0] = body->pivot[0] + c * dx - s * dy, x[1] = body->pivot[1] + s * dx + c * dy;
 }
 
+/* A pixel counts whole: an image has no finer edge than that. */
+static bool mask_contains(const struct scene_body *body, const double x[2])
+{
+	const struct scene_mask *mask = &body->mask;
+	double X[2] = {x[0], x[1]};
+	scene_body_turn(body, -1.0, X);
+	double i = floor((X[0] - mask->origin[0]) / mask->pixel), j = floor((X[1] - mask->origin[1]) / mask->pixel);
+	return i >= 0.0 && j >= 0.0 && i < mask->nx && j < mask->ny && mask->inside[(int)j * mask->nx + (int)i];
+}
+
 static bool outline_contains(const struct scene_body *body, const double x[2], double tolerance)
 {
 	const double(*v)[2] = (const double(*)[2])body->vertices;
+	if (body->mask.inside)
+		return mask_contains(body, x);
 	if (body->radius > 0.0) {
 		double distance = hypot(x[0] - body->centre[0], x[1] - body->centre[1]);
 		return distance < body->radius - tolerance && (body->hole == 0.0 || distance > body->hole + tolerance);

@@ -32,13 +32,41 @@ static void turn_shape(const struct scene_body *body, struct scene_body *shape)
 	polygon_orient(shape->n_vertices, shape->vertices);
 }
 
-static void finish_bodies(struct scene *scene, const struct node *bodies)
+/* Grey values become the region, and its extent stands for its outline. */
+static void finish_mask(struct loader *loader, struct scene_body *body)
 {
+	struct scene_mask *mask = &body->mask;
+	int low[2] = {mask->nx, mask->ny}, high[2] = {0, 0};
+	if (!mask->inside || !(mask->pixel > 0.0) || body->n_vertices > 0)
+		return;
+	for (int j = 0; j < mask->ny; j++)
+		for (int i = 0; i < mask->nx; i++) {
+			unsigned char *pixel = &mask->inside[(size_t)j * (size_t)mask->nx + (size_t)i];
+			*pixel = *pixel >= mask->level[0] && *pixel <= mask->level[1];
+			if (*pixel) {
+				low[0] = i < low[0] ? i : low[0], low[1] = j < low[1] ? j : low[1];
+				high[0] = i >= high[0] ? i + 1 : high[0], high[1] = j >= high[1] ? j + 1 : high[1];
+			}
+		}
+	if (high[0] == 0)
+		return;
+	body->n_vertices = 4;
+	body->vertices = scene_alloc(loader, 4 * sizeof *body->vertices);
+	for (int k = 0; k < 4; k++) {
+		body->vertices[k][0] = mask->origin[0] + mask->pixel * (k == 1 || k == 2 ? high[0] : low[0]);
+		body->vertices[k][1] = mask->origin[1] + mask->pixel * (k >= 2 ? high[1] : low[1]);
+	}
+}
+
+static void finish_bodies(struct loader *loader, const struct node *bodies)
+{
+	struct scene *scene = loader->scene;
 	for (int k = 0; k < scene->n_bodies; k++) {
 		struct scene_body *body = &scene->bodies[k];
 		body->temperature = otherwise(body->temperature, ROOM_TEMPERATURE);
 		body->angle *= M_PI / 180.0;
 		body->drives = !isnan(body->drive[0]);
+		finish_mask(loader, body);
 		turn_shape(body, body);
 		for (int j = 0; j < body->n_cuts; j++)
 			turn_shape(body, &body->cuts[j]);
@@ -127,11 +155,11 @@ void finish_scene(struct loader *loader)
 		scene->thermal.on = needs_heat(scene);
 	for (int k = 0; k < scene->n_laws; k++)
 		finish_rve(&scene->laws[k].rve), scene->laws[k].rve.step_guard = scene->guards.dem_step,
-			scene->laws[k].rankine.cell = scene->grid.cell;
+										 scene->laws[k].rankine.cell = scene->grid.cell;
 	if (scene->n_materials)
 		finish_materials(scene, node_find(loader->root, "materials"));
 	if (scene->n_bodies)
-		finish_bodies(scene, node_find(loader->root, "bodies"));
+		finish_bodies(loader, node_find(loader->root, "bodies"));
 	finish_walls(scene);
 	if (scene->n_contacts)
 		finish_contacts(scene, node_find(loader->root, "contacts"));

@@ -185,11 +185,22 @@ struct scene_motion {
 	bool force;                              /* default true; false: born with the motion, then free */
 };
 
+/* A region drawn in an image: pixel (i, j) of row j from the bottom covers origin + (i .. i + 1, j .. j + 1) pixel. */
+struct scene_mask {
+	char file[SCENE_PATH]; /* "" = none */
+	int nx, ny;
+	unsigned char *inside; /* [ny][nx]; NULL = no mask */
+	double pixel;          /* m */
+	double origin[2];      /* m, of the lower left corner */
+	int level[2];          /* grey values that belong to the region */
+};
+
 struct scene_body {
 	char name[SCENE_NAME];
 	int material;
 	int n_vertices;           /* a box is given as its 4 vertices, a circle as corners on it */
 	double (*vertices)[2];    /* m, counter-clockwise after loading */
+	struct scene_mask mask;
 	double centre[2];         /* m, of a disc or ring */
 	double radius, hole;      /* m; radius 0 = a polygon; hole 0 = a disc */
 	int n_cuts;

@@ -100,7 +100,8 @@ static inline struct rve_info case_info(const struct rve_case *c)
 	return info;
 }
 
-/* Runs a group of tests on every path of double precision. */
+/* Runs a group of tests on every path; in single precision a looser tolerance would hide what the others must keep, so
+ * only the tests of test_rve_simd.c and of the bits run on it. */
 #define CASE_RUN_ON_EACH_PATH(tests)                                                                                   \
 	({                                                                                                                 \
 		int failed = 0;                                                                                                \

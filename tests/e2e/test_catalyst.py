@@ -59,7 +59,8 @@ def ready(f):
     """pipelines/extracts.py and images.py, and an exported script, side by side."""
     f.write("exported.py", EXPORTED)
     said, report = run(f, "ready", "--pipeline", os.path.join(PIPELINES, "extracts.py"), "--pipeline",
-                       os.path.join(PIPELINES, "images.py"), "--pipeline", f("exported.py"))
+                       os.path.join(PIPELINES, "images.py"), "--pipeline", f("exported.py"), "--pipeline",
+                       os.path.join(PIPELINES, "cinema.py"))
     expect(not any("dropped" in w for w in report["warnings"]), said)
     expect("exported.py asks for a live connection" in said, said)
     files = os.listdir(f("ready", "catalyst"))
@@ -73,6 +74,11 @@ def ready(f):
         expect(os.path.exists(f("ready", "catalyst", "datasets", "view_%06d.png" % step)) or
                os.path.exists(f("ready", "catalyst", "view_%06d.png" % step)), "the exported script has drawn nothing: %s" % files)
     expect(not [name for name in files if name.startswith(".")], "left over: %s" % files)
+    with open(f("ready", "catalyst", "cinema.cdb", "data.csv"), encoding="utf-8") as stream:
+        table = [line.split(",") for line in stream.read().splitlines()]
+    expect(table[0][-1] == "FILE" and len(table) == 1 + 3 * 3, str(table))
+    for row in table[1:]:
+        expect(png_size(f("ready", "catalyst", "cinema.cdb", row[-1])) == (1100, 850), str(row))
     with open(f("ready", "catalyst", "points.vtp.series"), encoding="utf-8") as stream:
         times = [entry["time"] for entry in json.load(stream)["files"]]
     expect(len(times) == 3 and abs(times[-1] - 0.04) < 1e-9, str(times))

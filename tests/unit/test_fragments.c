@@ -62,7 +62,7 @@ static void test_pieces(void **state)
 		sum += f.list[k].area;
 	assert_near(sum, 400.0, 1e-9);
 	for (int k = 0; k < N; k++)
-		assert_true((f.label[k] < 0) == (b.damage[k] >= 1.0));
+		assert_true((f.label[k] < 0) == (b.damage[k] >= 0.9));
 	struct fragment_summary s = fragments_summary(&f);
 	assert_near(s.diameter_mean, (f.list[0].diameter + f.list[1].diameter + f.list[2].diameter) / 3.0, 1e-12);
 	assert_near(s.largest, 200.0, 1e-9);

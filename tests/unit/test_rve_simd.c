@@ -205,11 +205,31 @@ static void test_flow(void **arg)
 	}
 }
 
+static void test_single_is_refused_where_it_errs(void **arg)
+{
+	(void)arg;
+	struct rve_params params;
+	struct rve_model *model;
+	rve_params_default(&params);
+	params.path = RVE_SIMD_SINGLE;
+	struct rve_packing *packing = case_packing(100e3, 0.5, 1);
+	const struct rve_packing *const packings[1] = {packing};
+	packing->pressure = 9.9e3;
+	assert_int_equal(rve_model_create(&model, &params, 1, packings), STATUS_INPUT);
+	assert_non_null(strstr(error_message(), "path = \"simd\""));
+	assert_null(model);
+	params.path = RVE_SIMD;
+	assert_int_equal(rve_model_create(&model, &params, 1, packings), STATUS_OK);
+	rve_model_free(model);
+	rve_packing_free(packing);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_one_step),   cmocka_unit_test(test_shear_of_a_thousandth), cmocka_unit_test(test_bonds),
-		cmocka_unit_test(test_inspection), cmocka_unit_test(test_flow),
+		cmocka_unit_test(test_one_step), cmocka_unit_test(test_shear_of_a_thousandth),
+		cmocka_unit_test(test_bonds),    cmocka_unit_test(test_inspection),
+		cmocka_unit_test(test_flow),     cmocka_unit_test(test_single_is_refused_where_it_errs),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
