@@ -66,7 +66,23 @@ void contact_set_temperatures(struct mpm *mpm);
  * flows, W.  Conduction adds up to zero. */
 void contact_exchange_heat(struct mpm *mpm, double dt);
 
+/* At the end of a step, for those who look at the grid: a node's values become those of all its fields, sums of mass and
+ * force, means of velocity and temperature. */
+void contact_fold(struct mpm *mpm);
+
 /* Adds the sums of this step to the ledger. */
 void contact_add_to_ledger(struct mpm *mpm);
+
+/* ---- penalty walls (penalty.c) ---- */
+
+/* Sets work->penalty (NULL if the scene has no such wall). */
+int penalty_create(struct mpm *mpm);
+void penalty_free(struct mpm *mpm);
+
+/* The forces of this step, from where the points are. */
+void penalty_push(struct mpm *mpm);
+const double *penalty_force(const struct mpm *mpm, int point);  /* N */
+const double *penalty_on_wall(const struct mpm *mpm, int wall); /* N */
+double penalty_pressure(const struct mpm *mpm, int point);      /* Pa; 0 without such walls */
 
 #endif

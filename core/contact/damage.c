@@ -16,7 +16,7 @@
 
 enum { GRADIENT_STEPS = 8 };
 static const double DAMAGED = 1e-9; /* less is none */
-static const double BROKEN = 0.9999, SEPARABLE_MEAN = 0.25;
+static const double SEPARABLE_MEAN = 0.25;
 
 /* ---- smoothed damage ---- */
 
@@ -93,13 +93,16 @@ void contact_find_gradients(struct mpm *mpm)
 		for (int k_ = (w)->cell_first[row_ * (w)->cells_x + (low)[0]], q;                                              \
 			 k_ < (w)->cell_first[row_ * (w)->cells_x + (high)[0] + 1] && ((q = (w)->order[k_]), true); k_++)
 
-static bool feels(const struct mpm *mpm, int i, int j, int q)
+/* What a point counts for at a node: a hat over its reach; 0 if the node does not feel it.  The means that are made
+ * with it are compared with a coarse bound: its true weight would cost more than it is worth. */
+static double share(const struct mpm *mpm, int i, int j, int q)
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	const struct grid *grid = &mpm->grid;
 	double support = mpm->shape->support(w->half[mpm->p.body[q]], mpm->p.F[q]);
-	return fabs(mpm->p.x[q][0] - grid->origin[0] - i * grid->spacing[0]) < support * grid->spacing[0] &&
-		   fabs(mpm->p.x[q][1] - grid->origin[1] - j * grid->spacing[1]) < support * grid->spacing[1];
+	double x = 1.0 - fabs(mpm->p.x[q][0] - grid->origin[0] - i * grid->spacing[0]) / (support * grid->spacing[0]),
+		   y = 1.0 - fabs(mpm->p.x[q][1] - grid->origin[1] - j * grid->spacing[1]) / (support * grid->spacing[1]);
+	return x > 0.0 && y > 0.0 ? x * y : 0.0;
 }
 
 /* Has a crack come through between both sides of a node (eqs. 70, 71)? */
@@ -108,29 +111,18 @@ static bool separable(const struct mpm *mpm, const struct contact *c, int i, int
 {
 	const struct mpm_work *w = mpm_work(mpm);
 	const struct particles *p = &mpm->p;
-	struct shape_lists lists;
 	double mass[2] = {0.0, 0.0}, damage[2] = {0.0, 0.0};
-	int low[2], high[2], node = j * mpm->grid.nx + i;
-	bool against = false, broken = false;
+	int low[2], high[2];
+	bool broken = false;
 	contact_cells_about(mpm, i, j, low, high);
 	FOR_POINTS_ABOUT(mpm, w, low, high, q)
-	if (c->label[p->body[q]] == label && feels(mpm, i, j, q)) {
-		against = against || contact_side(direction, p->damage_gradient[q]);
-		broken = broken || p->damage[q] >= BROKEN;
-	}
-	if (!against || !broken)
-		return false;
-	FOR_POINTS_ABOUT(mpm, w, low, high, q)
-	if (c->label[p->body[q]] == label && feels(mpm, i, j, q)) {
+	{
+		double m = c->label[p->body[q]] == label ? share(mpm, i, j, q) * p->mass[q] : 0.0;
 		int side = contact_side(direction, p->damage_gradient[q]);
-		mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &q, &lists);
-		for (int a = 0; a < lists.nodes; a++)
-			if (lists.node[a] == node) {
-				mass[side] += lists.weight[a] * p->mass[q];
-				damage[side] += lists.weight[a] * p->mass[q] * p->damage[q];
-			}
+		mass[side] += m, damage[side] += m * p->damage[q];
+		broken = broken || (m > 0.0 && p->damage[q] >= CONTACT_BROKEN);
 	}
-	return mass[0] > 0.0 && mass[1] > 0.0 && damage[0] > SEPARABLE_MEAN * mass[0] &&
+	return broken && mass[0] > 0.0 && mass[1] > 0.0 && damage[0] > SEPARABLE_MEAN * mass[0] &&
 		   damage[1] > SEPARABLE_MEAN * mass[1];
 }
 
@@ -144,11 +136,11 @@ bool contact_sides(const struct mpm *mpm, const struct contact *c, int i, int j,
 	if (c->own[label] < 0)
 		return false;
 	contact_cells_about(mpm, i, j, low, high);
-	bool sloped = false;
+	bool near = false;
 	for (int b = low[1]; b <= high[1]; b++)
 		for (int a = low[0]; a <= high[0]; a++)
-			sloped = sloped || c->sloped[b * w->cells_x + a];
-	if (!sloped)
+			near = near || c->broken[b * w->cells_x + a];
+	if (!near)
 		return false;
 	FOR_POINTS_ABOUT(mpm, w, low, high, q)
 	{
@@ -156,7 +148,7 @@ bool contact_sides(const struct mpm *mpm, const struct contact *c, int i, int j,
 			p->damage_gradient[q][0] * p->damage_gradient[q][0] + p->damage_gradient[q][1] * p->damage_gradient[q][1];
 		/* of equal ones that which was born first: storage must not decide */
 		if (g2 > 0.0 && (g2 > most || (g2 == most && p->id[q] < p->id[first])) && c->label[p->body[q]] == label &&
-			feels(mpm, i, j, q))
+			share(mpm, i, j, q) > 0.0)
 			most = g2, first = q;
 	}
 	if (first < 0)

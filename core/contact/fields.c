@@ -96,11 +96,13 @@ int contact_create(struct mpm *mpm)
 	c->home = calloc(slots, sizeof *c->home);
 	c->cell_label = calloc(cells, sizeof *c->cell_label);
 	c->near = calloc(cells, sizeof *c->near);
-	c->mixed = calloc(nodes, sizeof *c->mixed);
+	c->meets = calloc(nodes, sizeof *c->meets);
+	c->direction = calloc(nodes, sizeof *c->direction);
 	c->hot = calloc(cells, sizeof *c->hot);
-	c->sloped = calloc(cells, sizeof *c->sloped);
-	if (!c->label || !c->pair || !c->own || !c->hot || !c->sloped || !c->places || !c->fields || !c->pairs ||
-		!c->first || !c->home || !c->cell_label || !c->near || !c->mixed)
+	c->broken = calloc(cells, sizeof *c->broken);
+	c->marked = calloc(cells, sizeof *c->marked);
+	if (!c->label || !c->pair || !c->own || !c->hot || !c->broken || !c->marked || !c->direction || !c->places ||
+		!c->fields || !c->pairs || !c->first || !c->home || !c->cell_label || !c->near || !c->meets)
 		return error_set(STATUS_RESOURCE, "out of memory for %zu extra fields of %zu nodes", slots, nodes);
 	for (size_t k = 0; k < nodes; k++)
 		c->first[k] = -1;
@@ -124,10 +126,12 @@ void contact_free(struct mpm *mpm)
 	free(c->home);
 	free(c->cell_label);
 	free(c->near);
-	free(c->mixed);
+	free(c->meets);
+	free(c->direction);
 	free(c->own);
 	free(c->hot);
-	free(c->sloped);
+	free(c->broken);
+	free(c->marked);
 	free(c);
 }
 
@@ -139,8 +143,8 @@ size_t contact_memory(const struct mpm *mpm)
 	size_t nodes = (size_t)mpm->grid.nx * (size_t)mpm->grid.ny, slots = (size_t)c->slots_most;
 	return slots * (sizeof *c->places + 2 * sizeof *c->fields + CONTACT_FIELDS_MOST / 2 * sizeof *c->pairs +
 					sizeof *c->home) +
-		   nodes * (sizeof *c->first + sizeof *c->cell_label + sizeof *c->near + sizeof *c->mixed + sizeof *c->hot +
-					sizeof *c->sloped);
+		   nodes * (sizeof *c->first + sizeof *c->cell_label + sizeof *c->near + sizeof *c->meets +
+					sizeof *c->direction + sizeof *c->hot + sizeof *c->broken + sizeof *c->marked);
 }
 
 /* ---- where fields meet ---- */
@@ -158,15 +162,14 @@ static void label_cells_of_row(const struct mpm *mpm, struct contact *c, int j)
 	const struct mpm_work *w = mpm_work(mpm);
 	for (int cell = j * w->cells_x; cell < (j + 1) * w->cells_x; cell++) {
 		int label = CELL_EMPTY;
-		bool sloped = false;
+		bool broken = false;
 		for (int k = w->cell_first[cell]; k < w->cell_first[cell + 1]; k++) {
 			int of_point = c->label[mpm->p.body[w->order[k]]];
 			label = label == CELL_EMPTY || label == of_point ? of_point : CELL_MIXED;
-			const double *gradient = c->cracks ? mpm->p.damage_gradient[w->order[k]] : NULL;
-			sloped = sloped || (gradient && (gradient[0] != 0.0 || gradient[1] != 0.0));
+			broken = broken || (c->cracks && mpm->p.damage[w->order[k]] >= CONTACT_BROKEN && c->own[of_point] >= 0);
 		}
 		c->cell_label[cell] = label;
-		c->sloped[cell] = sloped;
+		c->broken[cell] = broken;
 	}
 }
 
@@ -180,8 +183,8 @@ void contact_cells_about(const struct mpm *mpm, int i, int j, int low[2], int hi
 	high[1] = j + reach > w->cells_y - 1 ? w->cells_y - 1 : j + reach;
 }
 
-/* Does a node need more than one field? */
-static bool several_fields(const struct mpm *mpm, const struct contact *c, int i, int j)
+/* Does a node need more than one field, and why? */
+static enum contact_meeting meeting_at(const struct mpm *mpm, const struct contact *c, int i, int j)
 {
 	int low[2], high[2], found = CELL_EMPTY;
 	contact_cells_about(mpm, i, j, low, high);
@@ -191,11 +194,12 @@ static bool several_fields(const struct mpm *mpm, const struct contact *c, int i
 			if (label == CELL_EMPTY || label == found)
 				continue;
 			if (label == CELL_MIXED || found != CELL_EMPTY)
-				return true;
+				return LABELS_MEET;
 			found = label;
 		}
-	double direction[2];
-	return c->cracks && found >= 0 && contact_sides(mpm, c, i, j, found, direction);
+	return c->cracks && found >= 0 && contact_sides(mpm, c, i, j, found, c->direction[j * mpm->grid.nx + i])
+			   ? SIDES_MEET
+			   : NOTHING_MEETS;
 }
 
 /* Puts a label into a sorted list of n; returns how many there are then, more than `most` if it found no room. */
@@ -256,7 +260,11 @@ static int fields_about(const struct mpm *mpm, struct contact *c, int i, int j,
 		if (joined)
 			continue;
 		struct contact_field field = {.label = labels[k]};
-		field.sided = c->cracks && contact_sides(mpm, c, i, j, labels[k], field.direction);
+		int node = j * mpm->grid.nx + i;
+		field.sided =
+			c->meets[node] == SIDES_MEET || (c->cracks && contact_sides(mpm, c, i, j, labels[k], field.direction));
+		if (c->meets[node] == SIDES_MEET)
+			memcpy(field.direction, c->direction[node], sizeof field.direction);
 		if (n + field.sided + 1 > CONTACT_FIELDS_MOST)
 			return CONTACT_FIELDS_MOST + 1;
 		fields[n++] = field;
@@ -321,6 +329,53 @@ static void copy_imposed(struct mpm *mpm, const struct contact *c)
 	}
 }
 
+bool contact_mark_cells(const struct mpm *mpm, bool (*wanted)(const struct mpm *, const struct contact_place *))
+{
+	const struct mpm_work *w = mpm_work(mpm);
+	struct contact *c = w->contact;
+	bool any = false;
+	memset(c->marked, 0, (size_t)w->cells_x * (size_t)w->cells_y * sizeof *c->marked);
+	for (int k = 0; k < c->n_places; k++) {
+		int node = c->places[k].node, low[2], high[2];
+		if (!wanted(mpm, &c->places[k]))
+			continue;
+		any = true;
+		contact_cells_about(mpm, node % mpm->grid.nx, node / mpm->grid.nx, low, high);
+		for (int b = low[1]; b <= high[1]; b++)
+			for (int a = low[0]; a <= high[0]; a++)
+				c->marked[b * w->cells_x + a] = true;
+	}
+	return any;
+}
+
+static void fold_place(struct mpm *mpm, const struct contact *c, const struct contact_place *place)
+{
+	struct grid *grid = &mpm->grid;
+	double mass = 0.0, capacity = 0.0, heat = 0.0, v[2][2] = {{0.0}}, force[2] = {0.0};
+	for (int k = place->first; k < place->first + place->n; k++) {
+		int node = c->fields[k].node;
+		double m = grid->mass[node], C = mpm->thermal ? grid->heat_capacity[node] : 0.0;
+		mass += m, capacity += C, heat += C > 0.0 ? C * grid->T_new[node] : 0.0;
+		for (int d = 0; d < 2; d++)
+			v[0][d] += m * grid->v[node][d], v[1][d] += m * grid->v_new[node][d], force[d] += grid->force[node][d];
+	}
+	grid->mass[place->node] = mass;
+	for (int d = 0; d < 2 && mass > 0.0; d++) {
+		grid->v[place->node][d] = v[0][d] / mass, grid->v_new[place->node][d] = v[1][d] / mass;
+		grid->force[place->node][d] = force[d];
+	}
+	if (capacity > 0.0)
+		grid->heat_capacity[place->node] = capacity, grid->T_new[place->node] = heat / capacity;
+}
+
+void contact_fold(struct mpm *mpm)
+{
+	const struct contact *c = mpm_work(mpm)->contact;
+#pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
+	for (int k = 0; k < c->n_places; k++)
+		fold_place(mpm, c, &c->places[k]);
+}
+
 bool contact_drive(struct mpm *mpm, int node, int body, const double v[2])
 {
 	struct mpm_work *w = mpm_work(mpm);
@@ -349,10 +404,10 @@ int contact_find_fields(struct mpm *mpm)
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int j = 0; j < mpm->grid.ny; j++)
 		for (int i = w->row_low[j]; i <= w->row_high[j]; i++)
-			c->mixed[j * mpm->grid.nx + i] = several_fields(mpm, c, i, j);
+			c->meets[j * mpm->grid.nx + i] = meeting_at(mpm, c, i, j);
 	for (int j = 0; j < mpm->grid.ny; j++)
 		for (int i = w->row_low[j]; i <= w->row_high[j]; i++)
-			if (c->mixed[j * mpm->grid.nx + i])
+			if (c->meets[j * mpm->grid.nx + i] != NOTHING_MEETS)
 				CHECK(add_place(mpm, c, i, j));
 	add_rows(mpm, c);
 	copy_imposed(mpm, c);

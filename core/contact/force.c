@@ -4,11 +4,11 @@
  * step, and where their gap is closed.  The impulse along n that stops them is m_a m_b/(m_a + m_b) (v_a - v_b).n
  * (eq. 75), that of friction at most mu times as much (eq. 76).
  *
- * n: the mass gradient of the heavier field, of the lighter, or their difference, whichever parts the points of both by
- * most.  A body's gradient says nothing of the contact where another of its faces is as near: at the leading edge of a
- * slider its own is turned forward, the base's is not; at the end of a face that both share only the difference is
- * right. (One rule alone turns such edges into brakes: the heavier one wherever the face lies between two rows of
- * nodes.)
+ * n: the mass gradient of the heavier field, of the lighter, their difference, or the difference of their directions
+ * (eq. 74), whichever parts the points of both by most.  A body's gradient says nothing of the contact where another of
+ * its faces is as near: at the leading edge of a slider its own is turned forward, the base's is not; at the end of a
+ * face that both share only a difference is right.  (One rule alone turns such edges into brakes: the heavier one
+ * wherever the face lies between two rows of nodes.)
  *
  * Gap: nodes feel bodies a cell before they touch.  What counts is the distance along n between the foremost points of
  * both, less what their domains reach.
@@ -96,8 +96,8 @@ static int find_units(const struct mpm *mpm, const struct contact *c, const stru
 struct parting {
 	int a, b; /* indices of the units */
 	int n_normals;
-	double normal[3][2];
-	double top[3], bottom[3]; /* of a, of b; from the node */
+	double normal[4][2];
+	double top[4], bottom[4]; /* of a, of b; from the node */
 };
 
 static void add_normal(struct parting *parting, double x, double y)
@@ -120,6 +120,9 @@ static struct parting begin_parting(const struct unit *units, int a, int b)
 	add_normal(&parting, a_first ? of_a[0] : -of_b[0], a_first ? of_a[1] : -of_b[1]);
 	add_normal(&parting, a_first ? -of_b[0] : of_a[0], a_first ? -of_b[1] : of_a[1]);
 	add_normal(&parting, scale[0] * of_a[0] - scale[1] * of_b[0], scale[0] * of_a[1] - scale[1] * of_b[1]);
+	double la = sqrt(of_a[0] * of_a[0] + of_a[1] * of_a[1]), lb = sqrt(of_b[0] * of_b[0] + of_b[1] * of_b[1]);
+	if (la > 0.0 && lb > 0.0)
+		add_normal(&parting, of_a[0] / la - of_b[0] / lb, of_a[1] / la - of_b[1] / lb);
 	return parting;
 }
 
@@ -203,6 +206,15 @@ struct acting {
 	double friction;
 };
 
+/* Do two units that are alone at a node move into each other, whatever the normal? */
+static bool approach(const struct parting *parting, const struct unit *a, const struct unit *b)
+{
+	bool any = false;
+	for (int k = 0; k < parting->n_normals; k++)
+		any = any || (a->v[0] - b->v[0]) * parting->normal[k][0] + (a->v[1] - b->v[1]) * parting->normal[k][1] > 0.0;
+	return any;
+}
+
 /* Pairs of a place that touch, in the order of the fields. */
 static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_place *place, int n, struct unit *units,
 					  struct acting *acting)
@@ -213,6 +225,8 @@ static int find_pairs(const struct mpm *mpm, struct contact *c, struct contact_p
 	for (int b = 1; b < n; b++)
 		for (int a = 0; a < b; a++)
 			partings[looked++] = begin_parting(units, a, b);
+	if (n == 2 && !approach(&partings[0], &units[0], &units[1]))
+		return 0;
 	if (looked > 0)
 		reach_of_points(mpm, c, place, n, units, looked, partings);
 	for (int k = 0; k < looked; k++) {
@@ -315,8 +329,8 @@ static void press_block(struct mpm *mpm, int block)
 			  last = first + BLOCK_POINTS < w->n_inside ? first + BLOCK_POINTS : w->n_inside;
 	for (int i = first; i < last; i++) {
 		int q = w->order[i];
-		double pressure = 0.0;
-		if (contact_is_near(mpm, q)) {
+		double pressure = penalty_pressure(mpm, q);
+		if (c->marked[w->cell[q]]) {
 			mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &q, &lists);
 			for (int a = 0; a < lists.nodes; a++)
 				if (c->first[lists.node[a]] >= 0)
@@ -326,6 +340,15 @@ static void press_block(struct mpm *mpm, int block)
 	}
 }
 
+static bool place_presses(const struct mpm *mpm, const struct contact_place *place)
+{
+	const struct contact *c = mpm_work(mpm)->contact;
+	bool any = false;
+	for (int k = place->first; k < place->first + place->n; k++)
+		any = any || c->fields[k].pressure > 0.0;
+	return any;
+}
+
 void contact_account(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
@@ -333,6 +356,7 @@ void contact_account(struct mpm *mpm)
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int k = 0; k < c->n_places; k++)
 		account_place(mpm, c, &c->places[k]);
+	contact_mark_cells(mpm, place_presses);
 #pragma omp parallel for schedule(static) if (mpm_parallel(mpm))
 	for (int block = 0; block < w->n_blocks; block++)
 		press_block(mpm, block);

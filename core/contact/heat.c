@@ -31,7 +31,7 @@ static void lift_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 	for (int i = first; i < last; i++) {
 		int q = w->order[i];
 		double gx = 0.0, gy = 0.0, capacity = p->mass[q] * p->capacity[q];
-		if (!contact_is_near(mpm, q))
+		if (!c->marked[w->cell[q]])
 			continue;
 		mpm_lists(mpm, 1, &q, &lists);
 		for (int a = 0; a < lists.nodes; a++) {
@@ -57,19 +57,27 @@ static bool conducts(const struct mpm *mpm, const struct contact_pair *pair)
 	return pair->push > 0.0 && pair->area > 0.0 && mpm->scene->contacts[pair->contact].conductance > 0.0;
 }
 
+static bool place_conducts(const struct mpm *mpm, const struct contact_place *place)
+{
+	const struct contact *c = mpm_work(mpm)->contact;
+	bool any = false;
+	for (int k = place->first; k < place->first + place->n; k++)
+		any = any || c->fields[k].conducts;
+	return any;
+}
+
 static bool mark_conducting(const struct mpm *mpm, struct contact *c)
 {
-	bool any = false;
 	for (int k = 0; k < c->n_fields; k++)
 		c->fields[k].plain = mpm->grid.T[c->fields[k].node];
 	for (int k = 0; k < c->n_places; k++) {
 		const struct contact_place *place = &c->places[k];
 		for (int m = place->first_pair; m < place->first_pair + place->n_pairs; m++)
 			if (conducts(mpm, &c->pairs[m])) {
-				c->fields[c->pairs[m].a].conducts = c->fields[c->pairs[m].b].conducts = any = true;
+				c->fields[c->pairs[m].a].conducts = c->fields[c->pairs[m].b].conducts = true;
 			}
 	}
-	return any;
+	return contact_mark_cells(mpm, place_conducts);
 }
 
 void contact_set_temperatures(struct mpm *mpm)

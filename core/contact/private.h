@@ -51,19 +51,28 @@ struct contact {
 	struct contact_place *places; /* by node */
 	struct contact_field *fields;
 	struct contact_pair *pairs;
-	int *first;      /* by grid node: its first field, -1 = it has one only */
-	int *home;       /* by slot: the grid's node that it belongs to */
-	int *cell_label; /* by grid cell: label of its points, or one of the below */
-	bool *near;      /* by grid cell: a point in it may belong to a field of such a node */
-	bool *mixed;     /* by grid node: several labels in reach, or both sides of a crack */
-	bool *hot;       /* by grid cell: near damage, at the last look */
-	bool *sloped;    /* by grid cell: a point in it has a damage gradient */
+	int *first;             /* by grid node: its first field, -1 = it has one only */
+	int *home;              /* by slot: the grid's node that it belongs to */
+	int *cell_label;        /* by grid cell: label of its points, or one of the below */
+	bool *near;             /* by grid cell: a point in it may belong to a field of such a node */
+	unsigned char *meets;   /* by grid node: enum contact_meeting */
+	double (*direction)[2]; /* by grid node where SIDES_MEET: tells them apart */
+	bool *hot;              /* by grid cell: near damage, at the last look */
+	bool *broken;           /* by grid cell: a point in it is broken, of a body whose cracks have faces */
+	bool *marked;           /* by grid cell: whose points have to do with a pass, see contact_mark_cells() */
 };
+
+#define CONTACT_BROKEN 0.9999 /* damage from which a point counts as broken */
 
 enum { CELL_EMPTY = -1, CELL_MIXED = -2 };
 
 /* The grid cells whose points reach node (i, j): columns and rows low .. high. */
 void contact_cells_about(const struct mpm *mpm, int i, int j, int low[2], int high[2]);
+
+enum contact_meeting { NOTHING_MEETS, LABELS_MEET, SIDES_MEET };
+
+/* Marks the cells about those places for which `wanted` says so; false if there are none. */
+bool contact_mark_cells(const struct mpm *mpm, bool (*wanted)(const struct mpm *, const struct contact_place *));
 
 /* Gradients of the points' damage, 1/m, every few steps. */
 void contact_find_gradients(struct mpm *mpm);

@@ -128,7 +128,8 @@ static void add_walls(struct mpm *mpm, struct mpm_work *w, double *boundary)
 {
 	struct mpm_sums *t = &w->total;
 	for (int wall = 0; wall < mpm->scene->n_walls; wall++)
-		mpm->walls[wall].force[0] = mpm->walls[wall].force[1] = 0.0;
+		for (int c = 0; c < 2; c++)
+			mpm->walls[wall].force[c] = w->penalty ? penalty_on_wall(mpm, wall)[c] : 0.0;
 	for (int e = 0; e < w->n_wall_nodes; e++) {
 		const struct wall_effect *effect = &w->wall_effects[e];
 		const struct wall_node *contact = &w->wall_nodes[e];

@@ -1,5 +1,5 @@
 /* Body forces: of bodies that are born with an exact motion (exact/exact.h), which keeps them on it, and of tractions,
- * which are spread over the points that begin in a layer (eq. 10). */
+ * which are spread over the points that begin in a layer (eq. 10), and of penalty walls (contact/penalty.c). */
 #include <math.h>
 #include <string.h>
 
@@ -78,6 +78,8 @@ static void push_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 			if (motion->solution && motion->force)
 				body_force(mpm, chunk[k], b);
 			add_tractions(mpm, chunk[k], b);
+			for (int c = 0; c < 2 && w->penalty; c++)
+				b[c] += penalty_force(mpm, chunk[k])[c] / points->mass[chunk[k]];
 			if (b[0] == 0.0 && b[1] == 0.0)
 				continue;
 			for (int a = k * lists.nodes; a < (k + 1) * lists.nodes; a++) {
@@ -92,6 +94,8 @@ static void push_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 void motion_forces(struct mpm *mpm)
 {
 	struct mpm_work *w = mpm_work(mpm);
+	if (w->penalty)
+		penalty_push(mpm);
 	memset(w->body_force, 0, w->n_nodes * sizeof *w->body_force);
 	mpm_each_stripe(mpm, push_stripe);
 }

@@ -123,6 +123,8 @@ int mpm_step(struct mpm *mpm)
 		limit_follow(mpm);
 
 	ledger_add_step(mpm);
+	if (w->contact)
+		contact_fold(mpm);
 	walls_move(mpm);
 	mpm->step++;
 	mpm->time = (double)mpm->step * mpm->dt;
@@ -197,7 +199,7 @@ static int create_work(struct mpm *mpm)
 		w->seen = calloc(nodes, sizeof *w->seen);
 		complete = complete && w->confining && w->seen;
 	}
-	bool driven = loads_points(mpm);
+	bool driven = loads_points(mpm) || w->penalty;
 	for (int b = 0; b < mpm->scene->n_bodies; b++)
 		driven = driven || (mpm->scene->bodies[b].motion.solution && mpm->scene->bodies[b].motion.force);
 	if (driven)
@@ -323,7 +325,7 @@ static int create_points(struct mpm *mpm, int n, const struct birth *births)
 	bool breaks = false;
 	for (int l = 0; l < mpm->n_laws; l++)
 		breaks = breaks || mpm->laws[l]->type->breaks;
-	CHECK(particles_create(&mpm->p, n, scene->mpm.transfer == MPM_APIC, breaks, scene->n_contacts > 0));
+	CHECK(particles_create(&mpm->p, n, scene->mpm.transfer == MPM_APIC, breaks, scene->n_contacts > 0, scene_presses(scene)));
 	CHECK(freezing_create(mpm));
 	int next[scene->n_laws + 1];
 	memset(next, 0, sizeof next);
@@ -422,6 +424,7 @@ static int create_all(struct mpm *mpm)
 						 scene->path, scene->mpm.shape);
 	CHECK(grid_create(mpm));
 	CHECK(fill(mpm));
+	CHECK(penalty_create(mpm));
 	CHECK(create_work(mpm));
 	CHECK(create_projection(mpm));
 	CHECK(contact_create(mpm));
@@ -493,6 +496,7 @@ void mpm_free(struct mpm *mpm)
 		boundaries_free(mpm);
 		cohesion_free(mpm);
 		contact_free(mpm);
+		penalty_free(mpm);
 		void *private[] = {w->half,        w->law_start,    w->law_names,    w->law_of_scene,  w->conductivity,
 						   w->cell,        w->order,        w->cell_first,   w->row_low,       w->row_high,
 						   w->scratch,     w->permutation,  w->sums,         w->confining,     w->stripe_sums,

@@ -154,9 +154,11 @@ struct point_heat {
 };
 
 struct contact; /* contact/private.h */
+struct penalty; /* contact/penalty.c */
 
 struct mpm_work {
 	struct contact *contact; /* NULL: one field at every node */
+	struct penalty *penalty; /* contact/penalty.c; NULL: no wall of this kind */
 	size_t n_nodes;          /* entries of an array by node: the grid's, and behind them room for extra fields */
 	int n_rows;              /* of nodes now: the grid's, and behind them those of extra fields, nx slots a row */
 	struct shape_grid shape_grid;
@@ -184,7 +186,7 @@ struct mpm_work {
 
 	struct node_sum *sums;
 	double (*confining)[2];  /* m2: sum V grad w; NULL without confining pressure */
-	double (*body_force)[2]; /* N, by node, of bodies that follow a motion, and of tractions; NULL = none */
+	double (*body_force)[2]; /* N, by node, of bodies that follow a motion, of tractions and penalty walls; NULL = none */
 	bool *seen;              /* by node, of a walk over the nodes beside a wall; NULL without confining pressure */
 	double *wall_heat;       /* J, by node: wall friction heat that waits for the thermal step; NULL = none */
 	double *fixed_T;         /* K, by node: imposed temperature, NAN = free; NULL without heat */
@@ -278,7 +280,7 @@ static inline void mpm_point_conductivity(const struct mpm *mpm, int p, double c
 }
 
 /* ---- particles.c ---- */
-int particles_create(struct particles *p, int n, bool affine, bool damage, bool contacts);
+int particles_create(struct particles *p, int n, bool affine, bool damage, bool contacts, bool pressure);
 void particles_free(struct particles *p);
 /* New storage index k gets what was at permutation[k]. */
 void particles_permute(struct particles *p, const int *permutation, void *scratch);
@@ -322,7 +324,7 @@ void mpm_strain_points(struct mpm *mpm);
 bool loads_points(const struct mpm *mpm);
 /* Puts a point of a body with a motion where that begins. */
 int motion_begin(struct mpm *mpm, int p, const double X[2]);
-/* The nodes' body forces of this step, of motions and tractions. */
+/* The nodes' body forces of this step, of motions, tractions and penalty walls. */
 void motion_forces(struct mpm *mpm);
 
 /* ---- thermal.c ---- */

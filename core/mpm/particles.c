@@ -48,7 +48,7 @@ static const struct column columns[] = {
 	COLUMN(growth, 'd', 1),
 	COLUMN(affine, 'd', 4),           /* with APIC only */
 	COLUMN(damage, 'd', 1),           /* with a law that breaks only */
-	COLUMN(contact_pressure, 'd', 1), /* with contacts only */
+	COLUMN(contact_pressure, 'd', 1), /* with contacts or penalty walls only */
 	COLUMN(damage_gradient, 'd', 2),  /* with contacts and a law that breaks only */
 };
 
@@ -67,14 +67,14 @@ static void *column_of(const struct particles *p, const struct column *column)
 /* Rounded up to whole cache lines, as aligned_alloc wants it. */
 static size_t padded(size_t bytes) { return (bytes + 63) / 64 * 64; }
 
-int particles_create(struct particles *p, int n, bool affine, bool damage, bool contacts)
+int particles_create(struct particles *p, int n, bool affine, bool damage, bool contacts, bool pressure)
 {
 	memset(p, 0, sizeof *p);
 	p->n = n;
 	for (int c = 0; c < N_COLUMNS; c++) {
 		if ((columns[c].offset == offsetof(struct particles, affine) && !affine) ||
 			(columns[c].offset == offsetof(struct particles, damage) && !damage) ||
-			(columns[c].offset == offsetof(struct particles, contact_pressure) && !contacts) ||
+			(columns[c].offset == offsetof(struct particles, contact_pressure) && !pressure) ||
 			(columns[c].offset == offsetof(struct particles, damage_gradient) && !(contacts && damage)))
 			continue;
 		size_t bytes = padded((size_t)n * column_bytes(&columns[c]) + 1);
@@ -195,7 +195,7 @@ const struct field particle_fields[] = {
 	[FIELD_MODULUS] = {"modulus", "Pa", 1, "P-wave modulus"},
 	[FIELD_BODY] = {"body", "-", 1, "number of the body in the scene"},
 	[FIELD_CONTACT_PRESSURE] = {"contact_pressure", "Pa", 1,
-								"from other bodies in the last step, at points near a contact; only with contacts"},
+								"from other bodies and penalty walls in the last step, at points near a contact; only with such"},
 };
 const int particle_fields_count = sizeof particle_fields / sizeof *particle_fields;
 
@@ -203,7 +203,7 @@ bool particle_field_applies(const struct scene *scene, int f)
 {
 	bool applies = f != FIELD_THAWED;
 	if (f == FIELD_CONTACT_PRESSURE)
-		return scene->n_contacts > 0;
+		return scene_presses(scene);
 	for (int m = 0; m < scene->n_materials; m++)
 		applies = applies || !isnan(scene->materials[m].freezing[0]);
 	return applies;

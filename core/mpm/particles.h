@@ -36,7 +36,7 @@ struct particles {
 	double *heat_pending; /* J, heat of the law that waits for the next thermal step */
 	double (*affine)[4]; /* APIC: B of its affine motion, m2/s, or C, 1/s (mpm/point.h); else NULL */
 	double (*damage_gradient)[2]; /* 1/m, of the smoothed damage, at the last look; NULL without contacts or damage */
-	double *contact_pressure; /* Pa, in the last step; NULL without contacts */
+	double *contact_pressure; /* Pa, in the last step; NULL without contacts and penalty walls */
 	double *heat_friction_sum; /* J/m3 of initial volume, heat received from the law so far */
 	double *growth;     /* ln of its stress's growth while the step is above its limit: see limit.c */
 };

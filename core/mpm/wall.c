@@ -295,7 +295,7 @@ void walls_update(struct mpm *mpm)
 	for (int wall = 0; wall < mpm->scene->n_walls; wall++)
 		solid_update(mpm, wall);
 	for (int wall = 0; wall < mpm->scene->n_walls; wall++)
-		if (w->wall_on[wall])
+		if (w->wall_on[wall] && mpm->scene->walls[wall].contact != SCENE_WALL_PENALTY)
 			find_wall_nodes(mpm, wall);
 	qsort(w->wall_nodes, (size_t)w->n_wall_nodes, sizeof *w->wall_nodes, compare_contacts);
 	w->n_wall_groups = 0;

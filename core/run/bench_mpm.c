@@ -5,6 +5,7 @@
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
 
 #include "base/error.h"
@@ -24,9 +25,10 @@ struct column {
 	struct scene scene;
 	struct scene_law law;
 	struct scene_material material;
-	struct scene_body body;
+	struct scene_body body[4];
+	struct scene_contact contact;
 	struct scene_wall walls[3];
-	double corners[4][2], lines[3][2][2];
+	double corners[4][4][2], lines[3][2][2];
 };
 
 static void column_wall(struct column *c, int w, double x0, double y0, double x1, double y1,
@@ -39,6 +41,29 @@ static void column_wall(struct column *c, int w, double x0, double y0, double x1
 									  .contact = contact,
 									  .temperature = NAN,
 									  .until = INFINITY};
+}
+
+static void column_body(struct column *c, int b, double x, double y, double width, double height)
+{
+	const double corners[4][2] = {{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}};
+	memcpy(c->corners[b], corners, sizeof corners);
+	c->body[b] = (struct scene_body){.name = "column",
+									 .n_vertices = 4,
+									 .vertices = c->corners[b],
+									 .lattice_origin = {NAN, NAN},
+									 .points_per_cell = 4,
+									 .temperature = 300.0,
+									 .variants = 1};
+}
+
+/* The same square as four bodies that touch: an eighth of the nodes has several fields. */
+static void part_column(struct column *c, int side)
+{
+	const double h = c->scene.grid.cell;
+	for (int b = 0; b < 4; b++)
+		column_body(c, b, 2 * h, (2 + side / 4 * b) * h, side * h, (b < 3 ? side / 4 : side - 3 * (side / 4)) * h);
+	c->contact = (struct scene_contact){.friction = 0.3, .softening = {NAN, NAN}, .conductance_pressure = 1.0};
+	c->scene.contacts = &c->contact, c->scene.n_contacts = 1, c->scene.n_bodies = 4;
 }
 
 /* A square of side by side cells of 1 cm of a soft solid on a floor between smooth walls. */
@@ -65,20 +90,11 @@ static void column_scene(struct column *c, const char *shape, int side, bool the
 										  .conductivity = 10.0,
 										  .reference_temperature = NAN,
 										  .freezing = {NAN, NAN}};
-	const double corners[4][2] = {{2 * h, 2 * h}, {2 * h + l, 2 * h}, {2 * h + l, 2 * h + l}, {2 * h, 2 * h + l}};
-	for (int k = 0; k < 4; k++)
-		c->corners[k][0] = corners[k][0], c->corners[k][1] = corners[k][1];
-	c->body = (struct scene_body){.name = "column",
-								  .n_vertices = 4,
-								  .vertices = c->corners,
-								  .lattice_origin = {NAN, NAN},
-								  .points_per_cell = 4,
-								  .temperature = 300.0,
-								  .variants = 1};
+	column_body(c, 0, 2 * h, 2 * h, l, l);
 	column_wall(c, 0, 0.0, 2 * h, (side + 4) * h, 2 * h, SCENE_WALL_FRICTIONAL);
 	column_wall(c, 1, 2 * h, (side + 8) * h, 2 * h, 0.0, SCENE_WALL_SLIP);
 	column_wall(c, 2, 2 * h + l, 0.0, 2 * h + l, (side + 8) * h, SCENE_WALL_SLIP);
-	s->laws = &c->law, s->materials = &c->material, s->bodies = &c->body, s->walls = c->walls;
+	s->laws = &c->law, s->materials = &c->material, s->bodies = c->body, s->walls = c->walls;
 	s->n_laws = s->n_materials = s->n_bodies = 1, s->n_walls = 3;
 }
 
@@ -91,11 +107,13 @@ static int run_steps(struct mpm *mpm, int steps, double *rate)
 	return STATUS_OK;
 }
 
-static int bench_case(bool json, const char *name, const char *shape, int side, bool thermal)
+static int bench_case(bool json, const char *name, const char *shape, int side, bool thermal, bool parted)
 {
 	struct column column;
 	struct mpm *mpm;
 	column_scene(&column, shape, side, thermal);
+	if (parted)
+		part_column(&column, side);
 	CHECK(mpm_create(&mpm, &column.scene));
 	int steps = POINT_STEPS / mpm->p.n + 1, status = STATUS_OK;
 	double rates[REPEATS];
@@ -147,13 +165,14 @@ int bench_mpm(bool json)
 	static const struct {
 		const char *name, *shape;
 		int side; /* 4 side^2 points */
-		bool thermal;
+		bool thermal, parted;
 	} cases[] = {
-		{"mpm_linear_10k", "linear", 50, false},      {"mpm_linear_100k", "linear", 158, false},
-		{"mpm_ugimp_10k", "ugimp", 50, false},        {"mpm_ugimp_100k", "ugimp", 158, false},
-		{"mpm_ugimp_thermal_10k", "ugimp", 50, true}, {"mpm_ugimp_thermal_100k", "ugimp", 158, true},
-		{"mpm_cpdi_10k", "cpdi", 50, false},          {"mpm_cpdi_100k", "cpdi", 158, false},
-		{"mpm_cpdi_thermal_10k", "cpdi", 50, true},   {"mpm_cpdi_thermal_100k", "cpdi", 158, true},
+		{"mpm_linear_10k", "linear", 50, false, false},      {"mpm_linear_100k", "linear", 158, false, false},
+		{"mpm_ugimp_10k", "ugimp", 50, false, false},        {"mpm_ugimp_100k", "ugimp", 158, false, false},
+		{"mpm_ugimp_thermal_10k", "ugimp", 50, true, false}, {"mpm_ugimp_thermal_100k", "ugimp", 158, true, false},
+		{"mpm_cpdi_10k", "cpdi", 50, false, false},          {"mpm_cpdi_100k", "cpdi", 158, false, false},
+		{"mpm_cpdi_thermal_10k", "cpdi", 50, true, false},   {"mpm_cpdi_thermal_100k", "cpdi", 158, true, false},
+		{"mpm_cpdi_contact_10k", "cpdi", 50, false, true},   {"mpm_cpdi_contact_100k", "cpdi", 158, false, true},
 	};
 	static const struct scheme_case schemes[] = {
 		{"mpm_xpic1", MPM_XPIC, MPM_USL, 1}, {"mpm_xpic2", MPM_XPIC, MPM_USL, 2}, {"mpm_xpic3", MPM_XPIC, MPM_USL, 3},
@@ -164,7 +183,7 @@ int bench_mpm(bool json)
 	omp_set_num_threads(1);
 	bench_header(json, 1);
 	for (size_t k = 0; k < sizeof cases / sizeof *cases && status == STATUS_OK; k++)
-		status = bench_case(json, cases[k].name, cases[k].shape, cases[k].side, cases[k].thermal);
+		status = bench_case(json, cases[k].name, cases[k].shape, cases[k].side, cases[k].thermal, cases[k].parted);
 	for (size_t k = 0; k < sizeof schemes / sizeof *schemes && status == STATUS_OK; k++)
 		status = bench_scheme(json, &schemes[k]);
 	omp_set_num_threads(threads);

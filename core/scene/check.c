@@ -622,6 +622,21 @@ static void check_one_of(struct loader *loader, const char *list, int k, const c
 		problem_of(loader, path, "is given beside %s_table, expected one of the two", path);
 }
 
+/* A penalty wall is a line that pushes, and no more. */
+static void check_penalty(struct loader *loader, int k, const char *shape)
+{
+	const struct scene_wall *wall = &loader->scene->walls[k];
+	char path[PATH_LENGTH];
+	if (wall->shape != SCENE_WALL_LINE && *shape_key(loader, "walls", k))
+		problem_of(loader, shape, "is the shape of a penalty wall, expected a line");
+	if (wall->friction > 0.0)
+		problem_of(loader, path_to(path, "walls", k, "friction"), "is %g, but penalty walls are smooth, expected 0",
+				   wall->friction);
+	if (scene_wall_heats(wall))
+		problem_of(loader, path_to(path, "walls", k, "temperature"),
+				   "is given to a penalty wall, which holds no nodes, expected a boundary's temperature");
+}
+
 static void check_walls(struct loader *loader)
 {
 	struct scene *scene = loader->scene;
@@ -635,6 +650,8 @@ static void check_walls(struct loader *loader)
 		if (wall->until <= wall->from)
 			problem_of(loader, path_to(key, "walls", k, "until"), "is %g s, expected more than from = %g s",
 					   wall->until, wall->from);
+		if (wall->contact == SCENE_WALL_PENALTY)
+			check_penalty(loader, k, path);
 		if (!*shape_key(loader, "walls", k))
 			problem_of(loader, path, "has no shape, expected line, box, polygon or wedge");
 		else if (!loader_clean(loader, "grid"))

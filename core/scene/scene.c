@@ -336,6 +336,14 @@ bool scene_boundary_heats_nodes(const struct scene_boundary *boundary)
 	return !isnan(boundary->temperature) || boundary->temperature_table.n;
 }
 
+bool scene_presses(const struct scene *scene)
+{
+	bool presses = scene->n_contacts > 0;
+	for (int k = 0; k < scene->n_walls; k++)
+		presses = presses || scene->walls[k].contact == SCENE_WALL_PENALTY;
+	return presses;
+}
+
 bool scene_boundary_loads_points(const struct scene_boundary *boundary)
 {
 	return !isnan(boundary->traction[0]) || !isnan(boundary->traction[1]);

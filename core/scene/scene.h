@@ -229,7 +229,8 @@ enum scene_wall_shape { SCENE_WALL_LINE, SCENE_WALL_POLYGON };
 enum scene_wall_contact {
 	SCENE_WALL_FRICTIONAL, /* unilateral with Coulomb friction */
 	SCENE_WALL_SLIP,       /* normal velocity tied both ways, tangent free */
-	SCENE_WALL_STICK       /* both components tied */
+	SCENE_WALL_STICK,      /* both components tied */
+	SCENE_WALL_PENALTY     /* pushes points that have come through it; a line, without friction */
 };
 
 struct scene_wall {
@@ -239,6 +240,7 @@ struct scene_wall {
 	double (*vertices)[2]; /* m; a line's solid lies on the right of first -> second; a polygon's inside (CCW) */
 	double depth;          /* m, of a line's solid behind it; default 2 cells */
 	enum scene_wall_contact contact;
+	double stiffness;   /* of a penalty wall: pressure per depth over P-wave modulus / cell; 20 */
 	double friction;    /* 0 */
 	double velocity[2]; /* m/s; the wall moves with it */
 	double temperature; /* K; NAN = insulating, or by the table */
@@ -461,6 +463,9 @@ bool scene_wall_heats(const struct scene_wall *wall);                     /* imp
 bool scene_boundary_heats_nodes(const struct scene_boundary *boundary);   /* the same */
 bool scene_boundary_heats_points(const struct scene_boundary *boundary);  /* by a flux or convection */
 bool scene_boundary_loads_points(const struct scene_boundary *boundary);  /* by a traction */
+
+/* Are there contact pressures at points: of contacts between bodies or of penalty walls? */
+bool scene_presses(const struct scene *scene);
 
 /* K -> the scene's unit, and back. */
 double scene_temperature_out(const struct scene *scene, double kelvin);

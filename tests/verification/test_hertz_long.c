@@ -1,0 +1,4 @@
+/* labels: long
+ * timeout: 900 */
+#define CELLS 3
+#include "test_hertz.c"
