@@ -23,6 +23,26 @@ void mat2_exp(const double a[4], double e[4])
 	e[3] = es * (c - k * d);
 }
 
+/* q / sinh(q) as a function of sinh^2(q), for either sign of it. */
+static double q_per_sinh(double sinh2)
+{
+	if (fabs(sinh2) < 1e-3)
+		return 1.0 -
+			   sinh2 / 6.0 * (1.0 - sinh2 * 9.0 / 20.0 * (1.0 - sinh2 * 25.0 / 42.0 * (1.0 - sinh2 * 49.0 / 72.0)));
+	if (sinh2 > 0.0)
+		return asinh(sqrt(sinh2)) / sqrt(sinh2);
+	return asin(sqrt(-sinh2)) / sqrt(-sinh2);
+}
+
+void mat2_log(const double e[4], double a[4])
+{
+	/* e = s (c I + d), d without trace, d^2 = sinh^2(q) I, s = sqrt(det e) */
+	double s = sqrt(mat2_determinant(e)), d = 0.5 * (e[0] - e[3]) / s, xy = e[1] / s, yx = e[2] / s;
+	double k = q_per_sinh(d * d + xy * yx), mean = log(s);
+	a[0] = mean + k * d, a[3] = mean - k * d;
+	a[1] = k * xy, a[2] = k * yx;
+}
+
 void mat2_log_stretch(const double f[4], double strain[3])
 {
 	/* C = F^T F = U^2; ln U = 1/2 ln C by its spectral decomposition */

@@ -35,6 +35,9 @@ static inline void mat2_inverse(const double a[4], double b[4])
  * Uses exp, cosh/sinh or cos/sin: host only, never in the kernel. */
 void mat2_exp(const double a[4], double e[4]);
 
+/* a = ln(e) of a matrix whose turn is less than a right angle: the inverse of mat2_exp() there.  Host only. */
+void mat2_log(const double e[4], double a[4]);
+
 /* Hencky strain ln U of a deformation gradient: (xx, yy, xy).  Host only (uses log). */
 void mat2_log_stretch(const double f[4], double strain[3]);
 

@@ -53,6 +53,9 @@ struct law_counts {
 	long long rebuilds;    /* neighbour lists built */
 	long long bonds_installed, bonds_intact;
 	long long twin_calls, twin_disc_steps; /* of these, since the run began: not computed, a twin's was */
+	long long calls;       /* point-steps so far, quiet ones and flying ones aside */
+	long long quiet_calls, quiet_caught; /* point-steps so far in which discs waited, in which they caught up */
+	double quiet_error_sum, quiet_error_most; /* relative error of the stress then, summed and largest */
 	long long inertia[12]; /* histogram of inertial numbers: < 1e-6, then 2 bins a decade, > 1e-1 */
 };
 

@@ -1,6 +1,7 @@
 /* The law of granular matter: behind every point stands an RVE (rve/rve.h) that the point's deformation drives. */
 #include "rve/rve.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -195,10 +196,14 @@ static void counts(const struct law *law, struct law_counts *sums)
 		sums->reseeded += info.reseeded;
 		sums->clamped += info.clamped;
 		sums->rebuilds += info.rebuilds;
+		sums->quiet_calls += info.quiet_calls;
+		sums->quiet_caught += info.quiet_caught;
+		sums->quiet_error_sum += info.quiet_error_sum;
+		sums->quiet_error_most = fmax(sums->quiet_error_most, info.quiet_error_most);
 		sums->bonds_installed += info.bonds_installed;
 		sums->bonds_intact += info.bonds_intact;
 		for (int bin = 0; bin < 12; bin++)
-			sums->inertia[bin] += info.inertia[bin];
+			sums->inertia[bin] += info.inertia[bin], sums->calls += info.inertia[bin];
 	}
 	if (law->twins) {
 		sums->twin_calls = law->twins->saved_calls;

@@ -7,7 +7,7 @@
 #include "run/run_private.h"
 #include "scene/compare.h"
 
-enum { CHECKPOINT_VERSION = 2 };
+enum { CHECKPOINT_VERSION = 3 };
 
 void checkpoint_code_path(const struct mpm *mpm, char *path, size_t size)
 {

@@ -20,6 +20,11 @@ void run_counts(const struct run *run, struct law_counts *counts)
 		counts->reseeded += one.reseeded;
 		counts->clamped += one.clamped;
 		counts->rebuilds += one.rebuilds;
+		counts->calls += one.calls;
+		counts->quiet_calls += one.quiet_calls;
+		counts->quiet_caught += one.quiet_caught;
+		counts->quiet_error_sum += one.quiet_error_sum;
+		counts->quiet_error_most = fmax(counts->quiet_error_most, one.quiet_error_most);
 		counts->twin_calls += one.twin_calls;
 		counts->twin_disc_steps += one.twin_disc_steps;
 		counts->bonds_installed += one.bonds_installed;

@@ -110,6 +110,13 @@ static void report_counts(struct json *json, const struct run *run)
 	json_open(json, "economy", '{');
 	json_integer(json, "twin_steps", counts.twin_calls);
 	json_integer(json, "twin_disc_steps", counts.twin_disc_steps);
+	json_integer(json, "computed_steps", counts.calls);
+	json_integer(json, "quiet_steps", counts.quiet_calls);
+	json_integer(json, "quiet_caught_up", counts.quiet_caught);
+	if (counts.quiet_caught > 0) {
+		json_number(json, "quiet_stress_error_mean", counts.quiet_error_sum / (double)counts.quiet_caught);
+		json_number(json, "quiet_stress_error_most", counts.quiet_error_most);
+	}
 	json_close(json, '}');
 	json_integer(json, "bonds_installed", counts.bonds_installed);
 	json_integer(json, "bonds_intact", counts.bonds_intact);
@@ -300,6 +307,13 @@ static void report_economy(struct run *run, const struct law_counts *counts)
 	if (counts->twin_disc_steps > 0)
 		log_line(&run->log, "economy: twins saved %lld RVE steps, %.1f%% of all disc-steps; exact", counts->twin_calls,
 				 100.0 * (double)counts->twin_disc_steps / steps);
+	if (counts->quiet_calls > 0)
+		log_line(&run->log,
+				 "economy: quiet RVEs waited in %lld steps, %.1f%% of all; when they caught up (%lld times) their stress "
+				 "was off by %.2g of the pressure on average, %.2g at most",
+				 counts->quiet_calls,
+				 100.0 * (double)counts->quiet_calls / (double)(counts->quiet_calls + counts->calls), counts->quiet_caught,
+				 counts->quiet_error_sum / fmax((double)counts->quiet_caught, 1.0), counts->quiet_error_most);
 }
 
 static void report_print_times(struct run *run)

@@ -27,6 +27,9 @@ void rve_params_from_scene(struct rve_params *params, const struct scene_law_rve
 	params->gas_pressure = law->gas_pressure;
 	params->gas_stretch = law->gas_stretch;
 	params->step_guard = law->step_guard;
+	params->quiet_change = law->economy.quiet.change;
+	params->quiet_strain = law->economy.quiet.strain;
+	params->quiet_unbalanced = law->economy.quiet.unbalanced;
 	params->overlap_max = law->overlap_max;
 	params->bond_strength = law->bonds.strength;
 	params->bond_mu = law->bonds.mu;

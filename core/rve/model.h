@@ -50,6 +50,9 @@ struct rve_motion {
 	const unsigned char *ahead; /* the state that the thread works on next, or NULL */
 };
 
+/* What the discs press each other with, Pa. */
+double rve_stress_scale(const struct rve_head *head);
+
 /* sub_steps of dt_DEM that share the motion; sub_steps = 0 measures the state.  `rebuild`: the neighbour list is not
  * valid. */
 enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,

@@ -185,6 +185,12 @@ int rve_pool_create(struct rve_pool **pool, const struct rve_model *model, unsig
 	*pool = NULL;
 	note[0] = '\0';
 	CHECK(rve_devices_check(devices));
+	if (model->params.quiet_change > 0.0) { /* it decides from call to call whether discs move at all */
+		if (strcmp(devices, "auto") != 0 && strcmp(devices, "cpu") != 0)
+			return error_set(STATUS_INPUT, "--device %s: economy.quiet is the processor's only: leave out one of them",
+							 devices);
+		return say(note, note_bytes, "cpu (economy.quiet is on)"), STATUS_OK;
+	}
 	if (model->packed && strcmp(devices, "auto") != 0)
 		return error_set(STATUS_INPUT,
 						 "--device %s: devices compute what the path \"serial\" does, the scene asks for \"%s\": leave out "

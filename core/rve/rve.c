@@ -11,6 +11,7 @@
 #include "base/mat2.h"
 #include "rve/model.h"
 #include "rve/pool.h"
+#include "rve/quiet.h"
 
 static const double pi = 3.14159265358979323846;
 static const struct rve_motion rest; /* for measuring */
@@ -38,6 +39,9 @@ void rve_params_default(struct rve_params *params)
 								  .bond_mu = 0.5,
 								  .bond_melting = INFINITY,
 								  .bond_reference = NAN,
+								  .quiet_change = 0.0,
+								  .quiet_strain = 1e-4,
+								  .quiet_unbalanced = 0.02,
 								  .step_guard = 1,
 								  .overlap_max = 0.5};
 }
@@ -416,7 +420,7 @@ enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state,
 static double pressure_of(const struct rve_head *head) { return -0.5 * (head->stress[0] + head->stress[1]); }
 
 /* What the discs press each other with, Pa.  Where bonds pull, a pressure of zero or less does not say it. */
-static double stress_scale(const struct rve_head *head)
+double rve_stress_scale(const struct rve_head *head)
 {
 	return head->bonds_intact > 0 ? fmax(fmax(fabs(head->stress[0]), fabs(head->stress[1])), fabs(head->stress[3]))
 								  : pressure_of(head);
@@ -424,7 +428,7 @@ static double stress_scale(const struct rve_head *head)
 
 static int stressless(const struct rve_model *model, const struct rve_head *head)
 {
-	return stress_scale(head) < model->params.gas_pressure;
+	return rve_stress_scale(head) < model->params.gas_pressure;
 }
 
 static double stored_energy(const struct rve_head *head)
@@ -443,7 +447,7 @@ static int choose_sub_steps(const struct rve_params *params, struct rve_head *he
 {
 	double limit = params->strain_per_step;
 	if (params->pressure_scaling)
-		limit *= fmax(0.1, fmin(1.0, sqrt(fmax(stress_scale(head), 0.0) / 100e3)));
+		limit *= fmax(0.1, fmin(1.0, sqrt(fmax(rve_stress_scale(head), 0.0) / 100e3)));
 	double wanted = fmax(1.0, fmin(ceil(strain / limit), 1e9));
 	if (params->n_max > 0 && wanted > params->n_max) {
 		head->clamped++;
@@ -457,7 +461,7 @@ static void count_inertia(const struct rve_model *model, struct rve_head *head, 
 	static const double bounds[RVE_INERTIA_BINS - 1] = {1e-6, 3.1622776601683795e-6, 1e-5, 3.1622776601683795e-5,
 														1e-4, 3.1622776601683795e-4, 1e-3, 3.1622776601683795e-3,
 														1e-2, 3.1622776601683795e-2, 1e-1};
-	double pressure = fmax(stress_scale(head), 1.0); /* Pa; a cell without stress counts as 1 Pa */
+	double pressure = fmax(rve_stress_scale(head), 1.0); /* Pa; a cell without stress counts as 1 Pa */
 	head->inertial_number =
 		strain_per_step / model->constants.dt * model->diameter * sqrt(model->params.grain_density / pressure);
 	int bin = 0;
@@ -516,6 +520,8 @@ static int reseed(const struct rve_model *model, void *state, unsigned char *scr
 	head->total_sub_steps = kept.total_sub_steps;
 	head->rebuilds = kept.rebuilds, head->clamped = kept.clamped, head->reseeded = kept.reseeded + 1;
 	head->bonds_installed = kept.bonds_installed;
+	head->quiet_calls = kept.quiet_calls, head->quiet_caught = kept.quiet_caught;
+	head->quiet_error_sum = kept.quiet_error_sum, head->quiet_error_most = kept.quiet_error_most;
 	int status = rve_sub_steps(model, state, scratch, &rest, 0, 1);
 	head->ledger[LEDGER_DISCARDED] += stored_energy(&kept) - stored_energy(head);
 	return status;
@@ -641,7 +647,9 @@ struct rve_outcome rve_advance_one(const struct rve_model *model, void *state, u
 									  struct rve_motion motion)
 {
 	struct rve_head *head = head_of(state);
-	const double *L = motion.L, dT = motion.dT, dt = motion.duration;
+	struct quiet_debt debt = {0};
+	const struct rve_motion whole = motion; /* the call, as far as it is not taken apart below */
+	const double *L = whole.L, dT = whole.dT, dt = whole.duration;
 	double volumetric = (L[0] + L[3]) * dt, rate = principal_rate(L);
 	double increment[4] = {L[0] * dt, L[1] * dt, L[2] * dt, L[3] * dt}, move[4];
 	if (!motion_is_finite(&motion))
@@ -663,7 +671,8 @@ struct rve_outcome rve_advance_one(const struct rve_model *model, void *state, u
 		}
 		motion.duration = share * dt;
 		gas_leave(model, state, scratch);
-	}
+	} else if (quiet_hold(model, head, &motion, &debt))
+		return check_state(model, head);
 	double strain = motion_strain(model, &motion);
 	if (strain > strain_most)
 		return (struct rve_outcome){OUTCOME_STRAIN, strain};
@@ -675,9 +684,10 @@ struct rve_outcome rve_advance_one(const struct rve_model *model, void *state, u
 	int status = rve_sub_steps(model, state, scratch, &motion, sub_steps, 0);
 	if (status == KERNEL_SLENDER && keep) {
 		memcpy(state, kept, (size_t)model->layout.bytes);
-		motion.duration = dt;
-		status = slender(model, state, scratch, &motion);
-	}
+		quiet_forget(head);
+		status = slender(model, state, scratch, &whole);
+	} else
+		quiet_settle(model, head, &debt);
 	return settle(model, head, status);
 }
 
@@ -824,14 +834,15 @@ void rve_get_info(const struct rve_model *model, const void *state, struct rve_i
 {
 	const struct rve_head *head = head_of(state);
 	const struct rve_variant *variant = &model->variants[head->variant];
-	double scale = 1.0 + model->params.expansion * head->temperature;
+	double temperature = head->temperature + head->held.heating;
+	double scale = 1.0 + model->params.expansion * temperature;
 	memset(info, 0, sizeof *info);
 	memcpy(info->H, head->H, sizeof info->H);
 	memcpy(info->F, head->F, sizeof info->F);
 	info->volume0 = variant->volume;
-	info->volume = head->flags & (RVE_GAS | RVE_FROZEN) ? mat2_determinant(head->F) * variant->volume
+	info->volume = head->flags & (RVE_GAS | RVE_FROZEN) || head->held.calls > 0 ? mat2_determinant(head->F) * variant->volume
 														: mat2_determinant(head->H) * model->params.thickness;
-	info->temperature = head->temperature;
+	info->temperature = temperature;
 	info->void_ratio = info->volume / model->params.thickness / (variant->solid_area * scale * scale) - 1.0;
 	info->coordination = 2.0 * head->contacts / model->layout.n;
 	info->sliding_fraction = head->contacts > 0.0 ? head->sliding / head->contacts : 0.0;
@@ -848,6 +859,9 @@ void rve_get_info(const struct rve_model *model, const void *state, struct rve_i
 	info->reseeded = head->reseeded, info->rebuilds = head->rebuilds, info->clamped = head->clamped;
 	info->total_sub_steps = head->total_sub_steps;
 	info->unbalanced = head->unbalanced;
+	info->quiet_calls = head->quiet_calls, info->quiet_caught = head->quiet_caught;
+	info->quiet_waiting = head->held.calls;
+	info->quiet_error_sum = head->quiet_error_sum, info->quiet_error_most = head->quiet_error_most;
 	for (int bin = 0; bin < RVE_INERTIA_BINS; bin++)
 		info->inertia[bin] = head->inertia[bin];
 	info->work = head->ledger[LEDGER_WORK];

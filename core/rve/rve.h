@@ -44,6 +44,9 @@ struct rve_params {
 	double bond_melting;    /* T_c, K: above it every bond breaks; INFINITY = never */
 	double bond_reference;  /* K: beta falls linearly from beta_s here to 0 at T_c; NAN: it is beta_s up to T_c */
 	int step_guard;         /* guard: a step above its limit is refused, and discs that jitter in it stop the run; 1 */
+	double quiet_change;    /* quiet RVEs wait until the stress would have changed by this share; 0 = none waits */
+	double quiet_strain;    /* and at most by this strain */
+	double quiet_unbalanced; /* and only where the unbalanced force is below this */
 	double overlap_max;     /* guard: largest overlap / smaller radius; at 0.5 a small disc is half-way to being passed through */
 };
 
@@ -132,6 +135,10 @@ struct rve_info {
 	int variant;
 	int reseeded, rebuilds, clamped; /* so far */
 	long long total_sub_steps;
+	/* quiet RVEs: calls so far in which the discs waited and in which they caught up; the error of the stress then,
+	 * relative, summed over those and the largest; calls that they have waited now, whose motion H and the discs lack */
+	long long quiet_calls, quiet_caught, quiet_waiting;
+	double quiet_error_sum, quiet_error_most;
 	/* ledgers, J of the cell with its z, since birth or reset; work begins as the energy stored then, so that
 	 * work = elastic + kinetic + friction + dashpot + bond + discarded - expansion */
 	double work, elastic, kinetic, friction, dashpot, bond, expansion, discarded;

@@ -54,6 +54,15 @@ enum {
 /* What becomes of a bond: the values of the state's flags. */
 enum { BOND_NONE, BOND_INTACT, BOND_BROKEN };
 
+/* A quiet RVE: what its discs have not gone through yet (quiet.h).  Zeros where calls = 0. */
+struct rve_held {
+	real motion[4]; /* deformation gradient */
+	real heating;   /* K */
+	real stress[4]; /* Pa, of the discs as they are */
+	real stored;    /* J, booked as elastic meanwhile */
+	int64 calls;
+};
+
 struct rve_head {
 	real H[4];        /* m, columns are the cell vectors a and b */
 	real H_ref[4];    /* at the last list build */
@@ -73,6 +82,9 @@ struct rve_head {
 	index16 level_rows[RVE_LEVELS_MAX]; /* m_l */
 	index16 level_first[RVE_LEVELS_MAX + 1];
 	index16 entry_first[RVE_LEVELS_MAX]; /* rows from here on have entries in level k */
+	struct rve_held held;
+	int64 quiet_calls, quiet_caught; /* so far: calls in which the discs waited, and caught up */
+	real quiet_error_sum, quiet_error_most; /* of the stress / its scale, when they caught up */
 	unsigned inertia[RVE_INERTIA_BINS];  /* calls by inertial number */
 	int sub_steps, flags, variant, reseeded, rebuilds, clamped;
 	int bonds_installed, bonds_intact;

@@ -121,9 +121,19 @@ static const struct scene_key bonds_keys[] = {
 	 .doc = "at and below this temperature the strength of linear softening is whole"},
 	END};
 
+static const struct scene_key quiet_keys[] = {
+	{.name = "change", .type = KEY_FLOAT, AT(scene_quiet, change), .value = "0.0", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "the discs of an RVE wait, and its stress follows its elastic tensor, until the stress has changed by this share of the pressure; bounds the error of the stress; 0 = they do not wait"},
+	{.name = "strain", .type = KEY_FLOAT, AT(scene_quiet, strain), .value = "1e-4", .range = RANGE_WITHIN, .min = 0.0, .max = 0.01,
+	 .doc = "and until the RVE has been strained by this"},
+	{.name = "unbalanced", .type = KEY_FLOAT, AT(scene_quiet, unbalanced), .value = "0.02", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "and only where the mean net force on a disc / mean contact force is below this"},
+	END};
+
 static const struct scene_key economy_keys[] = {
 	{.name = "twins", .type = KEY_BOOL, AT(scene_economy, twins), .value = "true",
 	 .doc = "RVEs that are equal bit for bit, and told the same, are computed once; changes no bit"},
+	{.name = "quiet", .type = KEY_GROUP, AT(scene_economy, quiet), KEYS(quiet_keys), .doc = "RVEs to which little happens"},
 	END};
 
 const char *const scene_law_type_names[] = {"thermoelastic", "rve", "neohookean_rankine", NULL};

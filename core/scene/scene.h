@@ -121,6 +121,11 @@ enum scene_rve_path { SCENE_RVE_AUTO, SCENE_RVE_SERIAL, SCENE_RVE_SIMD, SCENE_RV
 /* What is not computed; see law/twins.h. */
 struct scene_economy {
 	bool twins; /* RVEs that are equal bit for bit are computed once; true */
+	struct scene_quiet {
+		double change;     /* of the stress / pressure, up to which discs wait; 0 = they never do */
+		double strain;     /* and up to this strain; 1e-4 */
+		double unbalanced; /* and only below this unbalanced force; 0.02 */
+	} quiet;
 };
 
 struct scene_law_rve {

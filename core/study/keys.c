@@ -153,7 +153,7 @@ static const struct scene_key norm_keys[] = {
 	 .doc = "root mean square or largest difference; difference of the means, of the last values, of the abscissae at which level is reached"},
 	{.name = "column", TEXT(study_norm, column), .absent = "only points",
 	 .doc = "a column of the run's history (of the curve of an RVE), or an expression of columns and knobs"},
-	{.name = "abscissa", TEXT(study_norm, abscissa), .value = "\"time\"", .doc = "a column or an expression, over which the curve is taken"},
+	{.name = "abscissa", TEXT(study_norm, abscissa), .value = "\"time\"", .doc = "a column, the number of the row (\"row\") or an expression, over which the curve is taken"},
 	{.name = "points", TEXT(study_norm, points), .absent = "only column",
 	 .doc = "a field of the points in a snapshot, such as temperature, stress_xx or displacement, against the exact solution; rms weighs by volume"},
 	{.name = "exact", TEXT(study_norm, exact), .absent = "the column's or field's own name",

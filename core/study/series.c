@@ -47,6 +47,10 @@ static bool table_lookup(void *context, const char *name, double *value)
 {
 	const struct table_row *at = context;
 	int k = csv_column(at->table, name);
+	if (k < 0 && !strcmp(name, "row")) {
+		*value = at->row;
+		return true;
+	}
 	if (k < 0)
 		return at->place && plan_lookup((void *)at->place, name, value);
 	*value = at->table->values[(size_t)at->row * (size_t)at->table->columns + (size_t)k];

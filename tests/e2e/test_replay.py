@@ -64,6 +64,11 @@ with Folder() as f:
     cfg = f.write("s.cfg", COLUMN.replace("history_every = 0.001", "history_every = 1e-4"))
     replayed(f, cfg)
     replayed(f, cfg, "--set", "materials.[0].law.strain_per_step=2e-5", "--set", "materials.[0].law.mu=0.3")
+    # discs that wait do so alone as in the run
+    quiet = "materials.[0].law.economy.quiet."
+    replayed(f, cfg, "--set", quiet + "change=0.3", "--set", quiet + "unbalanced=1.0")
+    steps = [float(cell) for cell in cells(f("out", "history.csv"), "A.sub_steps")]
+    expect(steps.count(0.0) > 50, "no disc has waited")
     # a body that is born warmer than its reference: the path begins with that
     replayed(f, cfg, "--set", "materials.[0].reference_temperature=15.0", before=1)
     # stress first: the law sees the warming of the step before

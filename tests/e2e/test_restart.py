@@ -150,6 +150,8 @@ def refused():
 # the half lies on a snapshot but between two rows: the row at its end is written again
 continued(BLOCK + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.1, 0.2)
 continued(COLUMN.replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), 0.03, 0.06)
+continued(COLUMN.replace("seed = 3; };", "seed = 3; }; economy = { quiet = { change = 0.3; unbalanced = 1.0; }; };")
+          .replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), 0.03, 0.06)
 continued(FROST + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.1, 0.2)
 continued(PRESSED + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.06, 0.12)
 crossing()
