@@ -1,8 +1,10 @@
 """What the end-to-end tests share: the program as a user has it, its folders and its files."""
 import csv
+import ctypes
 import filecmp
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -72,6 +74,12 @@ def environment(**more):
     """One cache of packings for all tests, beside the build."""
     cache = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(TMDEMPM))), "test-cache")
     return dict(os.environ, XDG_CACHE_HOME=cache, **more)
+
+
+def start(command, **options):
+    """A process in the background that does not outlive the test, however that ends."""
+    kernel, death_signal = ctypes.CDLL(None), 1  # PR_SET_PDEATHSIG
+    return subprocess.Popen(command, preexec_fn=lambda: kernel.prctl(death_signal, signal.SIGKILL), **options)
 
 
 def tmdempm(*arguments, code=0, threads=1, **options):

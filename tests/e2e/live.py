@@ -36,7 +36,7 @@ class Simulation:
 
     def __init__(self, cfg, out, *options, threads=1):
         self.out, self.said = out, []
-        self.process = subprocess.Popen([TMDEMPM, "run", cfg, "--out", out, "--threads", str(threads)] + [str(o) for o in options],
+        self.process = start([TMDEMPM, "run", cfg, "--out", out, "--threads", str(threads)] + [str(o) for o in options],
                                         env=environment(), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         self.reader = threading.Thread(target=lambda: self.said.extend(self.process.stderr), daemon=True)
         self.reader.start()
@@ -112,5 +112,5 @@ def resident(pid):
 
 
 def pvpython(*arguments, seconds=100):
-    return subprocess.Popen(["pvpython"] + [str(a) for a in arguments], env=environment(), stdout=subprocess.PIPE,
+    return start(["pvpython"] + [str(a) for a in arguments], env=environment(), stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, text=True)

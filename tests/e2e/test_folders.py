@@ -138,7 +138,7 @@ def in_use(f, cfg):
     out = f("busy")
     tmdempm("run", cfg, "--out", out, "--until", 0.01)
     again = ["run", cfg, "--out", out, "--restart", os.path.join(out, "checkpoint.h5"), "--set", "time.end=1000"]
-    first = subprocess.Popen([TMDEMPM] + again + ["--quiet"], env=environment())
+    first = start([TMDEMPM] + again + ["--quiet"], env=environment())
     try:
         while "continues" not in open(os.path.join(out, "log.txt"), encoding="utf-8").read():
             time.sleep(0.01)

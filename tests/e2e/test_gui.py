@@ -17,7 +17,7 @@ class Screen:
 
     def __enter__(self):
         read, write = os.pipe()
-        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1500x1000x24", "-nolisten", "tcp"],
+        self.server = start(["Xvfb", "-displayfd", str(write), "-screen", "0", "1500x1000x24", "-nolisten", "tcp"],
                                        pass_fds=[write], stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as stream:
@@ -30,7 +30,7 @@ class Screen:
 
 
 def window(screen, *options, **more):
-    return subprocess.Popen(["paraview", "-d"] + list(options), env=dict(screen.environment, **more), stdout=subprocess.DEVNULL,
+    return start(["paraview", "-d"] + list(options), env=dict(screen.environment, **more), stdout=subprocess.DEVNULL,
                             stderr=subprocess.DEVNULL)
 
 

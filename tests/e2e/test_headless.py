@@ -21,7 +21,7 @@ class Run:
         if display:
             env["DISPLAY"] = display
         self.out = f(name)
-        self.process = subprocess.Popen([TMDEMPM, "run", cfg, "--out", self.out, "--threads", "1", "--quiet"], env=env,
+        self.process = start([TMDEMPM, "run", cfg, "--out", self.out, "--threads", "1", "--quiet"], env=env,
                                         stderr=subprocess.PIPE, text=True)
 
     def find(self, name):

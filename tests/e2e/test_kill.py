@@ -43,7 +43,7 @@ def killed(scene, kills, longest, seed):
             checkpoint = os.path.join(out, "checkpoint.h5")
             more = ["--restart", checkpoint] if os.path.exists(checkpoint) else ["--force"]
             restarts += more[0] == "--restart"
-            run = subprocess.Popen(arguments(cfg, out) + more, env=environment(), stderr=subprocess.PIPE, text=True)
+            run = start(arguments(cfg, out) + more, env=environment(), stderr=subprocess.PIPE, text=True)
             try:
                 run.wait(timeout=dice.uniform(0.02, longest))
             except subprocess.TimeoutExpired:

@@ -78,10 +78,26 @@ def frost():
         expect(min(T) < -2.0 and T[0] > 0.0, "it did not freeze: %s" % T)
 
 
-def instruction_sets():
+def on_path(scene, path):
+    return scene.replace('type = "rve";', 'type = "rve"; path = "%s";' % path)
+
+
+def other_path():
+    """A run keeps the path of its RVEs, and says which it is."""
+    with Folder() as f:
+        cfg = f.write("s.cfg", on_path(COLUMN, "simd"))
+        tmdempm("run", cfg, "--out", f("out"), "--until", 0.01)
+        with open(f("out", "run.json"), encoding="utf-8") as stream:
+            expect("simd in law sand" in json.load(stream)["code_path"], "run.json does not name the path")
+        serial = f.write("t.cfg", COLUMN)
+        said = tmdempm("run", serial, "--restart", f("out", "checkpoint.h5"), "--until", 0.02, code=2).stderr
+        expect("path" in said and "simd" in said, said)
+
+
+def instruction_sets(scene):
     """The kernel as every processor runs it: a checkpoint may go on on another machine."""
     with Folder() as f:
-        cfg = f.write("s.cfg", COLUMN)
+        cfg = f.write("s.cfg", scene)
         for isa in ("base", "v3", "v4"):  # what this processor lacks falls back to what it has
             os.environ["TMDEMPM_ISA"] = isa
             tmdempm("run", cfg, "--out", f(isa), "--until", 0.06)
@@ -152,11 +168,14 @@ continued(BLOCK + "output = { history_every = 0.0007; snapshot_every = 0.02; };"
 continued(COLUMN.replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), 0.03, 0.06)
 continued(COLUMN.replace("seed = 3; };", "seed = 3; }; economy = { quiet = { change = 0.3; unbalanced = 1.0; }; };")
           .replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), 0.03, 0.06)
+continued(on_path(COLUMN.replace("history_every = 0.001; snapshot_every = 0.02", "history_every = 0.0007; snapshot_every = 0.01"), "simd"), 0.03, 0.06)
 continued(FROST + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.1, 0.2)
 continued(PRESSED + "output = { history_every = 0.0007; snapshot_every = 0.02; };", 0.06, 0.12)
 crossing()
 threads()
 frost()
-instruction_sets()
+instruction_sets(COLUMN)
+instruction_sets(on_path(COLUMN, "simd"))
+other_path()
 other_packing()
 refused()

@@ -311,7 +311,7 @@ class RveCommands(unittest.TestCase):
     def test_an_interrupt_leaves_the_old_curve(self):
         put("kept.csv", "old")
         before = work_folder()
-        run = subprocess.Popen(
+        run = start(
             [PROGRAM, "rve", "load", "--packing", "P.h5", "--load", "isochoric", "--rate", "1", "--strain", "1000",
              "--out", "kept.csv"], cwd=path(""), stderr=subprocess.PIPE, text=True)
         while work_folder() == before and run.poll() is None:

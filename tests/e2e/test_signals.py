@@ -9,7 +9,7 @@ from e2e import *
 
 def started(cfg, out):
     """A run that is certainly in its loop."""
-    run = subprocess.Popen([TMDEMPM, "run", cfg, "--out", out, "--threads", "1", "--set", "time.end=1000",
+    run = start([TMDEMPM, "run", cfg, "--out", out, "--threads", "1", "--set", "time.end=1000",
                             "--set", "output.history_every=0.01", "--set", "output.snapshot_every=0"],
                            env=environment(), stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     wait(lambda: os.path.exists(os.path.join(out, "history.csv")) and len(history(out)[1]) > 2, run)

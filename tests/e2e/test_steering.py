@@ -17,7 +17,7 @@ class Run:
 
     def __init__(self, cfg, out, *options):
         self.out = out
-        self.process = subprocess.Popen([TMDEMPM, "run", cfg, "--threads", "1", "--quiet", *map(str, options), "--paused"]
+        self.process = start([TMDEMPM, "run", cfg, "--threads", "1", "--quiet", *map(str, options), "--paused"]
                                         + ([] if "--restart" in options else ["--out", out]), env=environment(),
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         atexit.register(self.process.kill)  # a test that fails leaves nothing that waits
@@ -114,7 +114,7 @@ def refused(f, cfg):
             talker.sendall(b"x" * 100000)
         except BrokenPipeError:
             pass
-    with subprocess.Popen([TMDEMPM, "steer", run.out, "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    with start([TMDEMPM, "steer", run.out, "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           text=True) as client:
         said, why = client.communicate("nonsense\nstep=2\nstate\n\nstop=1\n")
     lines = said.splitlines()
@@ -130,7 +130,7 @@ def held(f, cfg):
     out = f("a" * 60, "b" * 60, "held")  # longer than a socket's address
     os.makedirs(os.path.dirname(out))
     run = Run(cfg, out, *SCENE)
-    with subprocess.Popen([TMDEMPM, "steer", out, "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as client:
+    with start([TMDEMPM, "steer", out, "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as client:
         client.stdin.write("pause=0\npause=hold\nstate\n")
         client.stdin.flush()
         while not client.stdout.readline().startswith("inspect    B"):

@@ -95,7 +95,7 @@ with Folder() as f:
     f.write("bar.cfg", BAR.replace("end = 0.4", "end = 16.0").replace("snapshot_every = 0.4", "snapshot_every = 16.0"))
     f.write("bar_study.cfg", STUDY)
     command = [TMDEMPM, "study", f("bar_study.cfg"), "--out", f("out"), "--no-charts"]
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, env=environment())
+    process = start(command, stdout=subprocess.DEVNULL, env=environment())
     while len(outcomes(f)) < 2:
         time.sleep(0.01)
         expect(process.poll() is None, "the study ended by itself")
@@ -114,7 +114,7 @@ with Folder() as f:
 with Folder() as f:
     f.write("bar.cfg", BAR.replace("end = 0.4", "end = 4000.0"))
     f.write("bar_study.cfg", STUDY)
-    process = subprocess.Popen([TMDEMPM, "study", f("bar_study.cfg"), "--out", f("out"), "--jobs", "2"], text=True,
+    process = start([TMDEMPM, "study", f("bar_study.cfg"), "--out", f("out"), "--jobs", "2"], text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment())
     while not glob.glob(f("out", "bar_study", "runs", "*", "out", "history.csv")):
         time.sleep(0.01)
