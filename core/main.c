@@ -16,6 +16,7 @@
 #include "run/run.h"
 #include "run/steer_cli.h"
 #include "rve/cli.h"
+#include "rve/pool.h"
 #include "study/study.h"
 #include "version.h"
 
@@ -24,7 +25,7 @@ enum { SETS_MOST = 256, PIPELINES_MOST = 32 };
 static const char help[] =
 	"tmdempm " TMDEMPM_VERSION ": material points with a discrete RVE behind each\n"
 	"\n"
-	"  tmdempm run SCENE.cfg [--out DIR] [--force] [--set path=value]... [--threads N] [--device cpu]\n"
+	"  tmdempm run SCENE.cfg [--out DIR] [--force] [--set path=value]... [--threads N] [--device auto|cpu|cuda[:N]|opencl[:N][,...]]\n"
 	"                        [--restart FILE [--allow-path-change]] [--until T] [--quiet]\n"
 	"                        [--live [PORT|HOST:PORT]] [--pipeline FILE.py]... [--steering FILE.csv] [--paused]\n"
 	"      runs a scene; its output goes to DIR (default: SCENE.out here); a DIR that is not empty is refused,\n"
@@ -136,17 +137,6 @@ static int parse_pipeline(const char **pipelines, int *n, const char *text)
 	return STATUS_OK;
 }
 
-static int parse_device(const char *text)
-{
-	if (!strcmp(text, "cpu"))
-		return STATUS_OK;
-	if (!strcmp(text, "cuda") || !strcmp(text, "opencl"))
-		return error_set(STATUS_INPUT,
-						 "--device %s: this release computes on the CPU only; leave the option out or say --device cpu",
-						 text);
-	return usage("--device %s: expected cpu", text);
-}
-
 static int take_scene(const char *command, int argc, char **argv, const char **scene)
 {
 	if (optind == argc)
@@ -191,7 +181,8 @@ static int command_run(int argc, char **argv)
 			CHECK(parse_count(&options.threads, "--threads", optarg));
 			break;
 		case 'd':
-			CHECK(parse_device(optarg));
+			CHECK(rve_devices_check(optarg));
+			options.device = optarg;
 			break;
 		case 'r':
 			options.restart = optarg;

@@ -95,12 +95,17 @@ struct law_type {
 	void (*counts)(const struct law *law, struct law_counts *counts); /* may be NULL */
 
 	/* A stage's action install_bonds: bonds the grains of every point where they touch; NULL where there are none. */
-	void (*install_bonds)(struct law *law);
+	int (*install_bonds)(struct law *law);
 
 	/* Before law->states is read as bytes: points may share a state meanwhile.  And after it was replaced.  NULL where
 	 * every point has its state to itself. */
-	void (*write_out)(struct law *law);
+	int (*write_out)(struct law *law);
 	void (*restored)(struct law *law);
+
+	/* Takes its points to these devices (--device; rve/pool.h); `note` says what was chosen.  NULL where a law computes
+	 * here only. */
+	int (*use_devices)(struct law *law, const char *devices, char *note, size_t note_bytes);
+	void (*shares)(const struct law *law, char *words, size_t bytes); /* where its points are now */
 
 	/* The RVE behind a state, for rve_inspect() and rve_get_info(); NULL where the law has none. */
 	int (*rve_view)(const struct law *law, int slot, const struct rve_model **model, const void **state);
@@ -114,6 +119,7 @@ struct law {
 	double density;       /* bulk at birth, kg/m3; NAN if the law has no opinion */
 	double coupling;      /* lambda / P-wave modulus at rest, 0..1: couples the two directions in the step's limit; 1 unless create() says less */
 	struct twins *twins;  /* law/twins.h; NULL: every point has its state to itself */
+	struct rve_pool *pool; /* rve/pool.h; NULL: this processor computes all of it */
 	void *model;          /* parameters; rebuilt from the scene, never saved */
 	unsigned long long model_hash; /* of what the states rely on beside the scene's text (packings); 0 = nothing */
 	int n_points;

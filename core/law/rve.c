@@ -2,6 +2,7 @@
 #include "rve/rve.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,7 @@
 #include "law/twins.h"
 #include "rve/from_scene.h"
 #include "rve/packing.h"
+#include "rve/pool.h"
 
 static const struct field fields[] = {
 	{"void_ratio", "-", 1, "pore area / disc area of the RVE"},
@@ -45,11 +47,11 @@ static double field_value(const struct rve_info *info, int f)
 }
 
 /* The state that holds what is true of a point: its own, or the one that it shares with its twins. */
+static int home_of(const struct law *law, int slot) { return law->twins ? law->twins->home[slot] : slot; }
+
 static unsigned char *state_of(const struct law *law, int slot)
 {
-	const struct twins *twins = law->twins;
-	slot = twins ? twins->home[slot] : slot;
-	return law->states + (size_t)slot * law->state_bytes;
+	return law->states + (size_t)home_of(law, slot) * law->state_bytes;
 }
 
 /* Packings 0 .. n-1 of the law, and the model made of them. */
@@ -101,6 +103,7 @@ static int create(struct law *law, const struct scene_law *scene, int n_points, 
 
 static void destroy(struct law *law)
 {
+	rve_pool_free(law->pool);
 	twins_free(law->twins);
 	rve_model_free(law->model);
 	free(law->states);
@@ -125,6 +128,7 @@ static int advance(struct law *law, struct law_batch *batch)
 							 .L = batch->L,
 							 .dT = batch->dT,
 							 .T = batch->T,
+							 .pool = law->pool,
 							 .dt = batch->dt,
 							 .stress = batch->stress,
 							 .heat = batch->heat,
@@ -165,14 +169,17 @@ static void ledger(const struct law *law, int slot, struct law_ledger *sums)
 /* All points are reset together, and to reset a state twice is to reset it once. */
 static void reset_ledger(struct law *law, int slot) { rve_reset_ledger(law->model, state_of(law, slot)); }
 
-static void write_out(struct law *law)
+static int write_out(struct law *law)
 {
+	CHECK(rve_pool_fetch(law->pool, -1));
 	if (law->twins)
-		twins_write_out(law->twins);
+		twins_write_out(law->twins, law->pool);
+	return STATUS_OK;
 }
 
 static void restored(struct law *law)
 {
+	rve_pool_touched(law->pool, -1);
 	if (law->twins)
 		twins_find(law->twins);
 }
@@ -204,17 +211,33 @@ static void counts(const struct law *law, struct law_counts *sums)
 	}
 }
 
-static void install_bonds(struct law *law)
+static int install_bonds(struct law *law)
 {
+	CHECK(rve_pool_fetch(law->pool, -1));
 	for (int k = 0; k < law->n_points; k++) /* twins get the same bonds once more */
 		rve_install_bonds(law->model, state_of(law, k));
+	rve_pool_touched(law->pool, -1);
+	return STATUS_OK;
+}
+
+static int use_devices(struct law *law, const char *devices, char *note, size_t note_bytes)
+{
+	rve_pool_free(law->pool);
+	return rve_pool_create(&law->pool, law->model, law->states, law->n_points, devices, 0, note, note_bytes);
+}
+
+static void shares(const struct law *law, char *words, size_t bytes)
+{
+	snprintf(words, bytes, "cpu %d", law->n_points);
+	if (law->pool)
+		rve_pool_shares(law->pool, words, bytes);
 }
 
 static int rve_view(const struct law *law, int slot, const struct rve_model **model, const void **state)
 {
 	*model = law->model;
 	*state = state_of(law, slot);
-	return STATUS_OK;
+	return rve_pool_fetch(law->pool, home_of(law, slot));
 }
 
 const struct law_type law_rve = {
@@ -232,6 +255,8 @@ const struct law_type law_rve = {
 	.reset_ledger = reset_ledger,
 	.counts = counts,
 	.install_bonds = install_bonds,
+	.use_devices = use_devices,
+	.shares = shares,
 	.write_out = write_out,
 	.restored = restored,
 	.rve_view = rve_view,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "rve/pool.h"
 
 static unsigned char *state_at(const struct twins *t, int slot)
 {
@@ -57,11 +58,17 @@ void twins_find(struct twins *t)
 	count_sharers(t);
 }
 
-void twins_write_out(struct twins *t)
+static void copy(struct twins *t, struct rve_pool *pool, int to, int from)
+{
+	memcpy(state_at(t, to), state_at(t, from), rve_state_bytes(t->model));
+	rve_pool_touched(pool, to);
+}
+
+void twins_write_out(struct twins *t, struct rve_pool *pool)
 {
 	for (int k = 0; k < t->n && t->shared > 0; k++)
 		if (t->home[k] != k)
-			memcpy(state_at(t, k), state_at(t, t->home[k]), rve_state_bytes(t->model));
+			copy(t, pool, k, t->home[k]);
 }
 
 /* ---- life ---- */
@@ -136,7 +143,7 @@ static int sort_out(struct twins *t, const struct rve_batch *batch)
 }
 
 /* Each distinct RVE gets a slot of its own: the home's for those who stay with it, a copy for those who part. */
-static void part(struct twins *t, const struct rve_batch *batch, int distinct)
+static int part(struct twins *t, const struct rve_batch *batch, int distinct)
 {
 	for (int d = 0; d < distinct; d++)
 		t->slot[d] = -1;
@@ -146,11 +153,13 @@ static void part(struct twins *t, const struct rve_batch *batch, int distinct)
 	for (int d = 0; d < distinct; d++)
 		if (t->slot[d] < 0) {
 			t->slot[d] = batch->slot[t->first[d]];
-			memcpy(state_at(t, t->slot[d]), state_at(t, t->home[t->slot[d]]), rve_state_bytes(t->model));
+			CHECK(rve_pool_fetch(batch->pool, t->home[t->slot[d]]));
+			copy(t, batch->pool, t->slot[d], t->home[t->slot[d]]);
 		}
 	for (int k = 0; k < batch->n; k++)
 		t->home[batch->slot[k]] = t->slot[t->member[k]];
 	count_sharers(t);
+	return STATUS_OK;
 }
 
 static void hand_out(struct twins *t, struct rve_batch *batch)
@@ -173,7 +182,8 @@ static void hand_out(struct twins *t, struct rve_batch *batch)
 int twins_advance(struct twins *t, struct rve_batch *batch)
 {
 	if (batch->n != t->n && t->shared > 0) { /* those that are left behind must not see their home move */
-		twins_write_out(t);
+		CHECK(rve_pool_fetch(batch->pool, -1));
+		twins_write_out(t, batch->pool);
 		for (int k = 0; k < t->n; k++)
 			t->home[k] = k;
 		count_sharers(t);
@@ -181,7 +191,7 @@ int twins_advance(struct twins *t, struct rve_batch *batch)
 	if (t->shared == 0)
 		return rve_advance(t->model, batch);
 	int distinct = sort_out(t, batch);
-	part(t, batch, distinct);
+	CHECK(part(t, batch, distinct));
 	for (int d = 0; d < distinct; d++) {
 		int k = t->first[d];
 		memcpy(t->L[d], batch->L[k], sizeof t->L[d]);

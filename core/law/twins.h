@@ -35,7 +35,8 @@ void twins_find(struct twins *twins);
 /* rve_advance() of a batch over these states, computing equal ones once. */
 int twins_advance(struct twins *twins, struct rve_batch *batch);
 
-/* Copies every state to where it belongs, for who reads all of them as bytes. */
-void twins_write_out(struct twins *twins);
+/* Copies every state to where it belongs, for who reads all of them as bytes.  They must have been fetched from `pool`
+ * (NULL = there is none). */
+void twins_write_out(struct twins *twins, struct rve_pool *pool);
 
 #endif

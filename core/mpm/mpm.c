@@ -131,7 +131,7 @@ int mpm_step(struct mpm *mpm)
 	CHECK(guard_points(mpm));
 	if (order != MPM_USF)
 		CHECK(update_stress(mpm));
-	stage_end_step(mpm);
+	CHECK(stage_end_step(mpm));
 	mpm->within_step = false;
 	if (mpm->scene->guards.energy_residual > 0.0 && mpm->step % RESIDUAL_STEPS == 0)
 		mpm_measure(mpm);
@@ -554,9 +554,6 @@ int mpm_state(struct mpm *mpm, struct mpm_state_array *arrays)
 	struct mpm_work *w = mpm_work(mpm);
 	size_t walls = (size_t)mpm->scene->n_walls;
 	int n = particles_state(&mpm->p, arrays, 0);
-	for (int l = 0; arrays && l < mpm->n_laws; l++)
-		if (mpm->laws[l]->type->write_out)
-			mpm->laws[l]->type->write_out(mpm->laws[l]);
 	for (int l = 0; l < mpm->n_laws; l++)
 		n = add_array(arrays, n, w->law_names[l], mpm->laws[l]->states, 'b',
 					  (size_t)mpm->laws[l]->n_points * mpm->laws[l]->state_bytes);
@@ -576,6 +573,14 @@ int mpm_state(struct mpm *mpm, struct mpm_state_array *arrays)
 	if (w->wall_heat)
 		n = add_array(arrays, n, "grid/wall_heat", w->wall_heat, 'd', (size_t)mpm->grid.nx * (size_t)mpm->grid.ny);
 	return n;
+}
+
+int mpm_write_out(struct mpm *mpm)
+{
+	for (int l = 0; l < mpm->n_laws; l++)
+		if (mpm->laws[l]->type->write_out)
+			CHECK(mpm->laws[l]->type->write_out(mpm->laws[l]));
+	return STATUS_OK;
 }
 
 int mpm_restored(struct mpm *mpm)

@@ -133,8 +133,9 @@ int mpm_point_nearest_initial(const struct mpm *mpm, const double at[2]);
 double mpm_start_warming(const struct mpm *mpm, int id);
 
 /* Every array that makes up the state (points, laws' states, ledger sums, walls, time).  Returns how many;
- * pass arrays = NULL to ask.  After writing into them call mpm_restored(). */
+ * pass arrays = NULL to ask.  Before reading them call mpm_write_out(), after writing into them mpm_restored(). */
 int mpm_state(struct mpm *mpm, struct mpm_state_array *arrays);
+int mpm_write_out(struct mpm *mpm);
 int mpm_restored(struct mpm *mpm);
 
 /* Bytes that the run will need beside the files (points, grid, laws). */

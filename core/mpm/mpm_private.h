@@ -406,6 +406,6 @@ int guard_law(const struct mpm *mpm, int status, int point);
 /* s of thermal time that one thermal pass covers: conduction runs time_scale times faster than the clock. */
 double mpm_thermal_step(const struct mpm *mpm);
 void stage_begin_step(struct mpm *mpm);
-void stage_end_step(struct mpm *mpm);
+int stage_end_step(struct mpm *mpm);
 
 #endif

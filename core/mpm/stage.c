@@ -1,4 +1,5 @@
 /* Stages: the damping and the walls of a span of time, and what is done when it ends. */
+#include "base/error.h"
 #include "mpm/mpm_private.h"
 
 double mpm_thermal_step(const struct mpm *mpm)
@@ -33,28 +34,30 @@ static void zero_velocities(struct mpm *mpm)
 	}
 }
 
-static void install_bonds(struct mpm *mpm)
+static int install_bonds(struct mpm *mpm)
 {
 	for (int l = 0; l < mpm->n_laws; l++)
 		if (mpm->laws[l]->type->install_bonds)
-			mpm->laws[l]->type->install_bonds(mpm->laws[l]);
+			CHECK(mpm->laws[l]->type->install_bonds(mpm->laws[l]));
 	mpm->bonds_installed = true;
+	return STATUS_OK;
 }
 
-void stage_end_step(struct mpm *mpm)
+int stage_end_step(struct mpm *mpm)
 {
 	const struct scene *scene = mpm->scene;
 	if (mpm->stage + 1 >= scene->n_stages)
-		return;
+		return STATUS_OK;
 	const struct scene_stage *stage = &scene->stages[mpm->stage];
 	if (mpm->time - mpm->stage_start < stage->duration - 0.5 * mpm->dt)
-		return;
+		return STATUS_OK;
 	if (stage->then_install_bonds)
-		install_bonds(mpm);
+		CHECK(install_bonds(mpm));
 	if (stage->then_zero_velocity)
 		zero_velocities(mpm);
 	if (stage->then_zero_ledger)
 		ledger_start(mpm);
 	mpm->stage++;
 	mpm->stage_start = mpm->time;
+	return STATUS_OK;
 }

@@ -77,6 +77,7 @@ static int checkpoint_write_state(hid_t file, struct mpm *mpm)
 	int n;
 	for (int l = 0; l < mpm->n_laws; l++)
 		hashes[l] = mpm->laws[l]->model_hash;
+	CHECK(mpm_write_out(mpm));
 	CHECK(checkpoint_arrays(mpm, &arrays, &n));
 	hid_t group = -1;
 	int status = h5_group(&group, file, "state");

@@ -15,6 +15,7 @@
 #include "run/run.h"
 #include "run/steering_command.h"
 #include "run/viewer.h"
+#include "rve/device.h"
 #include "rve/model.h"
 #include "version.h"
 
@@ -44,8 +45,26 @@ enum { INFO_DEVICES = 3, INFO_SINKS = 5 };
 static void info_devices(struct info_part parts[INFO_DEVICES])
 {
 	parts[0] = (struct info_part){"cpu", "OpenMP over points, nodes and RVEs, double precision", true, ""};
-	parts[1] = (struct info_part){"cuda", "RVEs on an NVIDIA GPU", false, "not in this release; use --device cpu"};
-	parts[2] = (struct info_part){"opencl", "RVEs on an OpenCL device", false, "not in this release; use --device cpu"};
+	parts[1] = (struct info_part){"cuda", "RVEs on an NVIDIA GPU", false, "build with -DTMDEMPM_GPU=ON"};
+	parts[2] = (struct info_part){"opencl", "RVEs on an OpenCL device", false, "build with -DTMDEMPM_GPU=ON"};
+	for (int b = 0; rve_backends[b]; b++) {
+		static char words[INFO_DEVICES][512], cures[INFO_DEVICES][512];
+		struct rve_device_info devices[RVE_DEVICES_MOST];
+		struct info_part *part = strcmp(rve_backends[b]->name, "cuda") == 0 ? &parts[1] : &parts[2];
+		int n = rve_backends[b]->list(devices, RVE_DEVICES_MOST, cures[b], sizeof cures[b]);
+		part->doc = rve_backends[b]->doc;
+		part->cure = cures[b];
+		for (int k = n - 1; k >= 0; k--) { /* the first that will do is named */
+			if (devices[k].unfit[0] && !part->there)
+				snprintf(cures[b], sizeof cures[b], "%s: %s", devices[k].name, devices[k].unfit);
+			if (devices[k].unfit[0])
+				continue;
+			snprintf(words[b], sizeof words[b], "%s; %s:%d is %s, %s", rve_backends[b]->doc, part->name, k,
+					 devices[k].name, devices[k].driver);
+			part->doc = words[b];
+			part->there = true;
+		}
+	}
 }
 
 static void info_sinks(struct info_part parts[INFO_SINKS])

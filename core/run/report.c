@@ -33,7 +33,8 @@ static void report_options(struct json *json, const struct run *run)
 		json_text(json, NULL, options->sets[i]);
 	json_close(json, ']');
 	json_text(json, "out", run->folder);
-	json_text(json, "device", "cpu");
+	json_text(json, "device", options->device);
+	json_text(json, "devices", run->devices); /* what that meant; null where no law asks */
 	json_integer(json, "threads", run->threads);
 	json_text(json, "restart", options->restart); /* null if it was none */
 	json_number(json, "until", options->until);

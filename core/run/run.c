@@ -147,6 +147,19 @@ static int run_set_times(struct run *run)
 	return STATUS_OK;
 }
 
+/* The laws that can, to the devices that --device names. */
+static int use_devices(struct run *run)
+{
+	const char *devices = run->options->device;
+	for (int l = 0; l < run->mpm->n_laws && strcmp(devices, "cpu") != 0; l++) {
+		struct law *law = run->mpm->laws[l];
+		if (law->type->use_devices)
+			CHECK(law->type->use_devices(law, devices, run->device_note, sizeof run->device_note));
+	}
+	run->devices = run->device_note[0] ? run->device_note : NULL;
+	return STATUS_OK;
+}
+
 static int run_prepare(struct run *run)
 {
 	const struct run_options *options = run->options;
@@ -165,6 +178,7 @@ static int run_prepare(struct run *run)
 		omp_set_num_threads(options->threads);
 	run->threads = omp_get_max_threads();
 	CHECK(mpm_create(&run->mpm, run->scene));
+	CHECK(use_devices(run));
 	CHECK(history_memory_create(&run->memory, run->scene->n_regions, run->scene->n_cracks));
 	if (restart)
 		CHECK(checkpoint_read(options->restart, run->mpm, &run->memory, options->allow_path_change));
@@ -235,6 +249,8 @@ static void run_announce(struct run *run)
 	log_line(&run->log, "%s: %d points, %d x %d nodes, %lld steps of %g s, %d threads, output in %s",
 			 options->scene_path, run->mpm->p.n, run->mpm->grid.nx, run->mpm->grid.ny, run->last_step - run->first_step,
 			 run->scene->time.step, run->threads, run->folder);
+	if (run->devices)
+		log_line(&run->log, "RVEs on %s", run->devices);
 	if (options->restart)
 		log_line(&run->log, "continues %s from step %lld, time %.9g s", options->restart, run->mpm->step,
 				 run->mpm->time);

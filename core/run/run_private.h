@@ -166,6 +166,8 @@ struct run {
 	double setup_time;    /* s */
 	double output_time;   /* s, without the wait for the viewer */
 	double next_progress; /* s, clock_seconds() */
+	char device_note[1024];
+	const char *devices; /* where RVEs are computed, in words; NULL = here */
 };
 
 /* What is due now, or all that the scene wants at the run's end. */

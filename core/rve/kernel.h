@@ -130,8 +130,8 @@ BLOCKFN void state_load(const struct rve_place *at)
 		const int first = block->head.entry_first[level];
 		FOR_THREADS(i, at->layout->n - first) WORK_ENTRY(level)[first + i] = STATE_ENTRY(level)[first + i];
 	}
-	LOCAL real *lanes = &block->lanes[0][0];
-	FOR_THREADS(k, LANE_FIELDS * LANES) lanes[k] = 0.0;
+	for (int q = 0; q < LANE_FIELDS; q++)
+		FOR_THREADS(lane, LANES) block->lanes[q][lane] = 0.0;
 	slots_clear(at);
 	SYNC();
 	rows_load(at);
@@ -149,15 +149,16 @@ BLOCKFN void state_store(const struct rve_place *at)
 	SYNC();
 }
 
-/* One RVE, call->sub_steps sub-steps.  `scratch` is layout->scratch bytes, 64-byte aligned. */
-KERNEL(rve_kernel)
-(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
- GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
+/* One RVE, call->sub_steps sub-steps.  `scratch` is layout->scratch bytes less those of a block, 64-byte aligned. */
+BLOCKFN void block_advance(const struct rve_layout *layout, const struct rve_constants *constants,
+						   const struct rve_call *call, GLOBAL const real *table, GLOBAL unsigned char *state,
+						   SHARED struct rve_block *shared, LOCAL unsigned char *scratch, GLOBAL int *status)
 {
-	struct rve_place place = {.layout = layout, .constants = constants, .call = call, .table = table, .state = state};
+	struct rve_place place;
 	const struct rve_place *at = &place;
-	place.block = (SHARED struct rve_block *)scratch;
-	place.row = (LOCAL real *)(scratch + sizeof(struct rve_block));
+	place.layout = layout, place.constants = constants, place.call = call;
+	place.table = table, place.state = state, place.block = shared;
+	place.row = (LOCAL real *)scratch;
 	place.pair = place.row + WORK_ROW_FIELDS * layout->stride;
 	place.rim = place.pair + WORK_PAIR_FIELDS * layout->pair_stride;
 	place.pair_index = (LOCAL int *)(place.rim + RIM_FIELDS * 4 * layout->stride);
@@ -173,27 +174,37 @@ KERNEL(rve_kernel)
 
 	state_load(at);
 	const int bonded = block->head.bonds_intact > 0; /* those that have all lost theirs are as if they had had none */
-	if (call->rebuild)
-		neighbours_build(at);
+	BLOCK_IF(MEASURES && call->rebuild) { neighbours_build(at); }
 	for (int k = 0; k < call->sub_steps && block->status == KERNEL_OK; k++) {
 		move(at);
-		if (!neighbours_valid(at)) {
-			if (bonded)
-				bonds_tear(at);
+		BLOCK_IF(!neighbours_valid(at))
+		{
+			BLOCK_IF(bonded) { bonds_tear(at); }
 			neighbours_build(at);
 		}
-		if (block->status != KERNEL_OK)
-			break;
-		contacts(at, k + 1 == call->sub_steps, bonded);
-		kick(at);
+		BLOCK_IF(block->status == KERNEL_OK)
+		{
+			contacts(at, k + 1 == call->sub_steps, bonded);
+			kick(at);
+		}
 	}
-	if (block->status == KERNEL_OK && call->sub_steps == 0)
-		contacts(at, 1, bonded);
-	if (block->status == KERNEL_OK) {
+	BLOCK_IF(MEASURES && block->status == KERNEL_OK && call->sub_steps == 0) { contacts(at, 1, bonded); }
+	BLOCK_IF(block->status == KERNEL_OK)
+	{
 		homogenise(at);
 		state_store(at);
 	}
 	ONE_THREAD *status = block->status;
+}
+
+#ifdef RVE_HOST
+
+KERNEL(rve_kernel)
+(const struct rve_layout *layout, const struct rve_constants *constants, const struct rve_call *call,
+ GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
+{
+	struct rve_block *block = (struct rve_block *)(void *)scratch;
+	block_advance(layout, constants, call, table, state, block, scratch + sizeof *block, status);
 }
 
 /* Bytes of scratch memory that the kernel needs. */
@@ -208,5 +219,7 @@ static inline int kernel_scratch_bytes(const struct rve_layout *layout)
 	bytes += (long)sizeof(index16) * (layout->levels + 1) * layout->n;
 	return (int)((bytes + 63) / 64 * 64);
 }
+
+#endif
 
 #endif

@@ -4,11 +4,20 @@
 
 #include "rve/dialect.h"
 
-THREADFN void cell_invert(const SHARED real *H, SHARED real *H_inv)
+THREADFN void matrix_invert(const real *H, real *H_inv)
 {
 	real inverse_det = 1.0 / (H[0] * H[3] - H[1] * H[2]);
 	H_inv[0] = H[3] * inverse_det, H_inv[1] = -H[1] * inverse_det;
 	H_inv[2] = -H[2] * inverse_det, H_inv[3] = H[0] * inverse_det;
+}
+
+/* The same where the block's memory has its own address space. */
+THREADFN void cell_invert(const SHARED real *H, SHARED real *H_inv)
+{
+	real h[4] = {H[0], H[1], H[2], H[3]}, inverse[4];
+	matrix_invert(h, inverse);
+	for (int k = 0; k < 4; k++)
+		H_inv[k] = inverse[k];
 }
 
 /* H <- A H */
@@ -24,8 +33,8 @@ THREADFN real cell_volume(const SHARED real *H, real thickness) { return (H[0] *
 /* The smaller singular value of M = H H_ref^-1: how much the closest pair may have come closer. */
 THREADFN real cell_least_stretch(const SHARED real *H, const SHARED real *H_ref)
 {
-	real r[4];
-	cell_invert(H_ref, r);
+	real ref[4] = {H_ref[0], H_ref[1], H_ref[2], H_ref[3]}, r[4];
+	matrix_invert(ref, r);
 	real xx = H[0] * r[0] + H[1] * r[2], xy = H[0] * r[1] + H[1] * r[3];
 	real yx = H[2] * r[0] + H[3] * r[2], yy = H[2] * r[1] + H[3] * r[3];
 	real sum = xx + yy, difference = xx - yy, skew = xy - yx, shear = xy + yx;
@@ -33,7 +42,7 @@ THREADFN real cell_least_stretch(const SHARED real *H, const SHARED real *H_ref)
 }
 
 /* Gauss reduction of the cell vectors a and b.  T (whole numbers) tells what became of coordinates: s <- T s. */
-THREADFN void cell_reduce(SHARED real *H, real T[4])
+THREADFN void cell_reduce(real *H, real *T)
 {
 	T[0] = T[3] = 1.0;
 	T[1] = T[2] = 0.0;

@@ -368,20 +368,25 @@ BLOCKFN void neighbours_build(const struct rve_place *at)
 	history_keep(at);
 	neighbours_rebase(at);
 	real reach = 2.0 * at->constants->r_max * block->scale + at->constants->skin;
-	if (!(cell_least_width(block->head.H) >= 2.0 * reach)) {
+	const int wide = cell_least_width(block->head.H) >= 2.0 * reach;
+	BLOCK_IF(!wide)
+	{
 		ONE_THREAD block->status = KERNEL_SLENDER;
 		SYNC();
-		return;
 	}
-	neighbours_sort(at);
-	FOR_THREADS(i, at->layout->n) neighbours_find(at, i);
-	SYNC();
-	rows_sort(at);
-	if (block->status != KERNEL_OK)
-		return;
-	rows_move(at);
-	for (int level = 0; level < block->head.levels; level++)
-		pairs_write(at, level);
-	entries_write(at);
-	slots_clear(at);
+	BLOCK_IF(wide)
+	{
+		neighbours_sort(at);
+		FOR_THREADS(i, at->layout->n) neighbours_find(at, i);
+		SYNC();
+		rows_sort(at);
+	}
+	BLOCK_IF(block->status == KERNEL_OK)
+	{
+		rows_move(at);
+		for (int level = 0; level < block->head.levels; level++)
+			pairs_write(at, level);
+		entries_write(at);
+		slots_clear(at);
+	}
 }

@@ -100,11 +100,11 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 				 inverse = 1.0 / length; /* the ghost may coincide */
 			real nx = bx * inverse, ny = by * inverse;
 			real ri = radius[i] * scale, rj = radius[j] * scale;
-			real overlap = ri + rj - length, half = 0.5 * overlap;
+			real overlap = ri + rj - length, indent = 0.5 * overlap;
 			/* relative displacement in this sub-step: fluctuations and stretching, without the rotation */
 			real ex = dxx * bx + dxy * by, ey = dxy * bx + dyy * by;
 			real ux = (vx[j] - vx[i]) * step + ex, uy = (vy[j] - vy[i]) * step + ey;
-			real ai = ri - half, aj = rj - half, spin = ai * w[i] + aj * w[j];
+			real ai = ri - indent, aj = rj - indent, spin = ai * w[i] + aj * w[j];
 			real un = ux * nx + uy * ny, ut = uy * nx - ux * ny - spin * step;
 			/* normal force: spring and dashpot, never pulling */
 			real spring = kn * real_max(overlap, 0.0);
@@ -208,10 +208,12 @@ BLOCKFN void contacts_of_kind(const struct rve_place *at, const int last, const 
 	}
 }
 
-/* The same, compiled once for each kind. */
+/* The same, compiled once for each kind where that pays. */
 BLOCKFN void contacts(const struct rve_place *at, const int last, const int bonded)
 {
-	if (bonded && last)
+	if (!SPECIALISED)
+		contacts_of_kind(at, last, bonded ? BONDS_PRESENT : BONDS_ABSENT);
+	else if (bonded && last)
 		contacts_of_kind(at, 1, BONDS_PRESENT);
 	else if (bonded)
 		contacts_of_kind(at, 0, BONDS_PRESENT);

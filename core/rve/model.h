@@ -58,6 +58,37 @@ double rve_stress_scale(const struct rve_head *head);
 enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state, unsigned char *scratch,
 									 const struct rve_motion *motion, int sub_steps, int rebuild);
 
+struct rve_outcome {
+	enum {
+		OUTCOME_OK,
+		OUTCOME_RATE,
+		OUTCOME_STRAIN,
+		OUTCOME_OVERLAP,
+		OUTCOME_NAN,
+		OUTCOME_CROWDED,
+		OUTCOME_JITTER
+	} kind;
+	double value;
+};
+
+/* One RVE of a batch on this thread, as rve_advance() does it. */
+struct rve_motion rve_batch_motion(const struct rve_batch *batch, int k);
+struct rve_outcome rve_advance_one(const struct rve_model *model, void *state, unsigned char *scratch,
+								   struct rve_motion motion);
+
+/* The batch's answers for RVE k; `friction`: its ledger's before the call. */
+void rve_answer(const struct rve_model *model, struct rve_batch *batch, int k, const struct rve_head *head,
+				double friction);
+
+/* Sets the message of a failure; number = what it calls the RVE. */
+int rve_report_failure(const struct rve_params *params, int number, struct rve_outcome outcome);
+
+/* For a kernel that runs elsewhere.  Plain: the call asks for nothing but the kernel (the RVE does not fly, is not frozen
+ * nor nearly too slender).  begin: what to call it with; end: what has become of it. */
+int rve_is_plain(const struct rve_model *model, const struct rve_head *head, const struct rve_motion *motion);
+struct rve_call rve_begin(const struct rve_model *model, struct rve_head *head, const struct rve_motion *motion);
+struct rve_outcome rve_end(const struct rve_model *model, struct rve_head *head, int status);
+
 /* Between the states of the serial path and those of the model's, a packed one.  Unpacked states have no entries: the
  * serial kernel goes on from them with a new list.  `rows`: room for 2 n numbers. */
 void rve_packed_table(const struct rve_model *model, const real *table, unsigned char *packed);

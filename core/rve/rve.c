@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/mat2.h"
 #include "rve/model.h"
+#include "rve/pool.h"
 #include "rve/quiet.h"
 
 static const double pi = 3.14159265358979323846;
@@ -416,19 +417,6 @@ enum rve_kernel_status rve_sub_steps(const struct rve_model *model, void *state,
 	return (enum rve_kernel_status)status;
 }
 
-struct rve_outcome {
-	enum {
-		OUTCOME_OK,
-		OUTCOME_RATE,
-		OUTCOME_STRAIN,
-		OUTCOME_OVERLAP,
-		OUTCOME_NAN,
-		OUTCOME_CROWDED,
-		OUTCOME_JITTER
-	} kind;
-	double value;
-};
-
 static double pressure_of(const struct rve_head *head) { return -0.5 * (head->stress[0] + head->stress[1]); }
 
 /* What the discs press each other with, Pa.  Where bonds pull, a pressure of zero or less does not say it. */
@@ -621,17 +609,50 @@ static struct rve_outcome spoilt(struct rve_head *head)
 	return (struct rve_outcome){OUTCOME_CROWDED, head->max_overlap};
 }
 
-static struct rve_outcome advance_one(const struct rve_model *model, void *state, unsigned char *scratch,
+/* What becomes of an RVE that the kernel has advanced. */
+static struct rve_outcome settle(const struct rve_model *model, struct rve_head *head, int status)
+{
+	if (status != KERNEL_OK)
+		return spoilt(head);
+	double stretch = mat2_determinant(head->H) * model->params.thickness / model->variants[head->variant].volume;
+	if (model->params.gas && !(head->flags & RVE_FROZEN) && stressless(model, head) &&
+		stretch > model->params.gas_stretch)
+		gas_enter(head);
+	return check_state(model, head);
+}
+
+static const double strain_most = 1.0; /* in one call: far beyond what any time step should bring */
+
+static int motion_is_finite(const struct rve_motion *motion)
+{
+	const double *L = motion->L;
+	return isfinite(principal_rate(L) * motion->duration) && isfinite(L[1] - L[2]) && isfinite(motion->dT) &&
+		   isfinite(motion->T);
+}
+
+/* Radii that grow strain the contacts too. */
+static double motion_strain(const struct rve_model *model, const struct rve_motion *motion)
+{
+	return fmax(principal_rate(motion->L) * motion->duration, fabs(model->params.expansion * motion->dT));
+}
+
+static int plan_sub_steps(const struct rve_model *model, struct rve_head *head, const struct rve_motion *motion)
+{
+	int sub_steps = choose_sub_steps(&model->params, head, motion_strain(model, motion));
+	count_inertia(model, head, principal_rate(motion->L) * motion->duration / sub_steps);
+	return sub_steps;
+}
+
+struct rve_outcome rve_advance_one(const struct rve_model *model, void *state, unsigned char *scratch,
 									  struct rve_motion motion)
 {
 	struct rve_head *head = head_of(state);
 	struct quiet_debt debt = {0};
 	const struct rve_motion whole = motion; /* the call, as far as it is not taken apart below */
 	const double *L = whole.L, dT = whole.dT, dt = whole.duration;
-	const double strain_most = 1.0; /* in one call: far beyond what any time step should bring */
 	double volumetric = (L[0] + L[3]) * dt, rate = principal_rate(L);
 	double increment[4] = {L[0] * dt, L[1] * dt, L[2] * dt, L[3] * dt}, move[4];
-	if (!isfinite(rate * dt) || !isfinite(L[1] - L[2]) || !isfinite(dT) || !isfinite(motion.T))
+	if (!motion_is_finite(&motion))
 		return (struct rve_outcome){OUTCOME_RATE, rate};
 	mat2_exp(increment, move);
 	mat2_multiply(move, head->F, head->F);
@@ -652,13 +673,10 @@ static struct rve_outcome advance_one(const struct rve_model *model, void *state
 		gas_leave(model, state, scratch);
 	} else if (quiet_hold(model, head, &motion, &debt))
 		return check_state(model, head);
-	/* radii that grow strain the contacts too */
-	double strain_rate = principal_rate(motion.L);
-	double strain = fmax(strain_rate * motion.duration, fabs(model->params.expansion * motion.dT));
+	double strain = motion_strain(model, &motion);
 	if (strain > strain_most)
 		return (struct rve_outcome){OUTCOME_STRAIN, strain};
-	int sub_steps = choose_sub_steps(&model->params, head, strain);
-	count_inertia(model, head, strain_rate * motion.duration / sub_steps);
+	int sub_steps = plan_sub_steps(model, head, &motion);
 	unsigned char *kept = scratch + model->kept;
 	int keep = nearly_slender(model, head, strain);
 	if (keep)
@@ -670,16 +688,32 @@ static struct rve_outcome advance_one(const struct rve_model *model, void *state
 		status = slender(model, state, scratch, &whole);
 	} else
 		quiet_settle(model, head, &debt);
-	if (status != KERNEL_OK)
-		return spoilt(head);
-	double stretch = mat2_determinant(head->H) * model->params.thickness / model->variants[head->variant].volume;
-	if (model->params.gas && !(head->flags & RVE_FROZEN) && stressless(model, head) &&
-		stretch > model->params.gas_stretch)
-		gas_enter(head);
-	return check_state(model, head);
+	return settle(model, head, status);
 }
 
-static int report_failure(const struct rve_params *params, int k, struct rve_outcome outcome)
+/* ---- the same where the kernel runs elsewhere ---- */
+
+int rve_is_plain(const struct rve_model *model, const struct rve_head *head, const struct rve_motion *motion)
+{
+	double strain = motion_strain(model, motion);
+	return motion_is_finite(motion) && head->flags == 0 && strain <= strain_most && !nearly_slender(model, head, strain);
+}
+
+struct rve_call rve_begin(const struct rve_model *model, struct rve_head *head, const struct rve_motion *motion)
+{
+	const double *L = motion->L, dt = motion->duration;
+	double increment[4] = {L[0] * dt, L[1] * dt, L[2] * dt, L[3] * dt}, move[4];
+	mat2_exp(increment, move);
+	mat2_multiply(move, head->F, head->F);
+	return call_of(motion, plan_sub_steps(model, head, motion), 0);
+}
+
+struct rve_outcome rve_end(const struct rve_model *model, struct rve_head *head, int status)
+{
+	return settle(model, head, status);
+}
+
+int rve_report_failure(const struct rve_params *params, int k, struct rve_outcome outcome)
 {
 	switch (outcome.kind) {
 	case OUTCOME_OVERLAP:
@@ -720,24 +754,32 @@ static int report_failure(const struct rve_params *params, int k, struct rve_out
 	}
 }
 
+struct rve_motion rve_batch_motion(const struct rve_batch *batch, int k)
+{
+	const double *L = batch->L[k];
+	return (struct rve_motion){
+		.L = {L[0], L[1], L[2], L[3]}, .dT = batch->dT[k], .T = batch->T ? batch->T[k] : 0.0, .duration = batch->dt};
+}
+
 static unsigned char *batch_state(const struct rve_model *model, const struct rve_batch *batch, int k)
 {
 	return batch->states + (size_t)(batch->slot ? batch->slot[k] : k) * (size_t)model->layout.bytes;
 }
 
-static struct rve_motion batch_motion(const struct rve_model *model, const struct rve_batch *batch, int k, int chunk)
+void rve_answer(const struct rve_model *model, struct rve_batch *batch, int k, const struct rve_head *head,
+				double friction)
 {
-	const double *L = batch->L[k];
-	const int more = k + 1 < batch->n && (k + 1) % chunk != 0;
-	return (struct rve_motion){.L = {L[0], L[1], L[2], L[3]},
-							   .dT = batch->dT[k],
-							   .T = batch->T ? batch->T[k] : 0.0,
-							   .duration = batch->dt,
-							   .ahead = more ? batch_state(model, batch, k + 1) : NULL};
+	double volume = mat2_determinant(head->H) * model->params.thickness;
+	batch->heat[k] = batch->dt > 0.0 ? (head->ledger[LEDGER_FRICTION] - friction) / (volume * batch->dt) : 0.0;
+	memcpy(batch->stress[k], head->stress, sizeof head->stress);
+	memcpy(batch->conductivity[k], head->conductivity, sizeof head->conductivity);
+	batch->modulus[k] = head->modulus;
 }
 
 int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 {
+	if (batch->pool)
+		return rve_pool_advance(batch->pool, batch);
 	struct rve_outcome worst = {OUTCOME_OK, 0.0};
 	int threads = omp_get_max_threads() < model->n_threads ? omp_get_max_threads() : model->n_threads;
 	threads = threads < batch->n ? threads : batch->n > 0 ? batch->n : 1; /* no team for a single RVE */
@@ -749,13 +791,10 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 		unsigned char *state = batch_state(model, batch, k);
 		const struct rve_head *head = head_of(state);
 		double friction = head->ledger[LEDGER_FRICTION];
-		struct rve_outcome outcome =
-			advance_one(model, state, rve_scratch(model, omp_get_thread_num()), batch_motion(model, batch, k, chunk));
-		double volume = mat2_determinant(head->H) * model->params.thickness;
-		batch->heat[k] = batch->dt > 0.0 ? (head->ledger[LEDGER_FRICTION] - friction) / (volume * batch->dt) : 0.0;
-		memcpy(batch->stress[k], head->stress, sizeof head->stress);
-		memcpy(batch->conductivity[k], head->conductivity, sizeof head->conductivity);
-		batch->modulus[k] = head->modulus;
+		struct rve_motion motion = rve_batch_motion(batch, k);
+		motion.ahead = k + 1 < batch->n && (k + 1) % chunk != 0 ? batch_state(model, batch, k + 1) : NULL;
+		struct rve_outcome outcome = rve_advance_one(model, state, rve_scratch(model, omp_get_thread_num()), motion);
+		rve_answer(model, batch, k, head, friction);
 		if (outcome.kind != OUTCOME_OK) {
 #pragma omp critical(rve_failure)
 			if (batch->failed < 0 || k < batch->failed) {
@@ -766,7 +805,7 @@ int rve_advance(const struct rve_model *model, struct rve_batch *batch)
 	}
 	if (batch->failed < 0)
 		return STATUS_OK;
-	return report_failure(&model->params, batch->number ? batch->number[batch->failed] : batch->failed, worst);
+	return rve_report_failure(&model->params, batch->number ? batch->number[batch->failed] : batch->failed, worst);
 }
 
 void rve_evaluate(const struct rve_model *model, const void *state, double stress[4], double conductivity[3],

@@ -9,6 +9,7 @@
 #include <stddef.h>
 
 struct rve_packing; /* packing.h */
+struct rve_pool;    /* pool.h: where states are computed */
 struct rve_model;   /* parameters and start packings of all RVEs of one law; read-only once made */
 
 /* How RVEs are computed.  Serial is the reference; the others have their own states and, each, their own bits. */
@@ -84,6 +85,7 @@ struct rve_batch {
 	const double (*L)[4];  /* 1/s */
 	const double *dT;      /* temperature increment of this call, K */
 	const double *T;       /* absolute temperature at its end, K, at which bonds melt; NULL = they do not */
+	struct rve_pool *pool; /* devices that share the states; NULL = this processor alone */
 	double dt;             /* macroscopic duration, s: exp(L dt) is applied over N sub-steps of dt_DEM */
 	double (*stress)[4];       /* out */
 	double *heat;              /* out: friction heat, W/m3 of current volume */

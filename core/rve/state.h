@@ -60,7 +60,7 @@ struct rve_held {
 	real heating;   /* K */
 	real stress[4]; /* Pa, of the discs as they are */
 	real stored;    /* J, booked as elastic meanwhile */
-	long long calls;
+	int64 calls;
 };
 
 struct rve_head {
@@ -77,13 +77,13 @@ struct rve_head {
 	real conductivity[3], modulus, tensor[6];
 	real contacts, sliding, max_overlap, unbalanced, inertial_number;
 	real ledger[LEDGER_FIELDS];
-	long long total_sub_steps;
+	int64 total_sub_steps;
 	int levels, entry_levels;
 	index16 level_rows[RVE_LEVELS_MAX]; /* m_l */
 	index16 level_first[RVE_LEVELS_MAX + 1];
 	index16 entry_first[RVE_LEVELS_MAX]; /* rows from here on have entries in level k */
 	struct rve_held held;
-	long long quiet_calls, quiet_caught; /* so far: calls in which the discs waited, and caught up */
+	int64 quiet_calls, quiet_caught; /* so far: calls in which the discs waited, and caught up */
 	real quiet_error_sum, quiet_error_most; /* of the stress / its scale, when they caught up */
 	unsigned inertia[RVE_INERTIA_BINS];  /* calls by inertial number */
 	int sub_steps, flags, variant, reseeded, rebuilds, clamped;
@@ -143,6 +143,8 @@ struct rve_call {
 
 enum rve_kernel_status { KERNEL_OK, KERNEL_SLENDER, KERNEL_CROWDED };
 
+#ifdef RVE_HOST
+
 /* Advances one RVE.  Unless the status is KERNEL_OK, the state is neither the old one nor a new one: a caller that goes
  * on from there has kept a copy.  `table` = TABLE_FIELDS disc arrays. */
 void rve_kernel_base(const struct rve_layout *layout, const struct rve_constants *constants,
@@ -170,5 +172,7 @@ rve_peak_kernel rve_peak64_base, rve_peak64_v3, rve_peak64_v4;
 
 int rve_packed64_scratch(const struct rve_layout *layout);
 int rve_packed32_scratch(const struct rve_layout *layout);
+
+#endif
 
 #endif

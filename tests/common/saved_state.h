@@ -19,6 +19,7 @@ static inline void save(struct mpm *mpm, struct saved *saved)
 {
 	saved->n = mpm_state(mpm, NULL);
 	assert_true(saved->n <= 64);
+	ok(mpm_write_out(mpm));
 	mpm_state(mpm, saved->arrays);
 	for (int a = 0; a < saved->n; a++) {
 		snprintf(saved->names[a], sizeof saved->names[a], "%s", saved->arrays[a].name);
@@ -41,6 +42,7 @@ static inline void load(struct mpm *mpm, const struct saved *saved)
 static inline void assert_same(struct mpm *mpm, const struct saved *saved)
 {
 	struct mpm_state_array arrays[64];
+	ok(mpm_write_out(mpm));
 	assert_int_equal(mpm_state(mpm, arrays), saved->n);
 	for (int a = 0; a < saved->n; a++)
 		if (memcmp(arrays[a].data, saved->data[a], bytes_of(&arrays[a])))
