@@ -88,7 +88,8 @@ static inline void packed_rebase(struct packed_place *at, struct packed_search *
 	const int n = at->layout->n;
 	for (int i = 0; i < n && moved; i++) {
 #ifdef RVE_FLOAT
-		double qx = at->sx[i] - ((const coord *)at->ref_x)[i], qy = at->sy[i] - ((const coord *)at->ref_y)[i];
+		double qx = coord_apart(at->sx[i], ((const coord *)at->ref_x)[i]),
+			   qy = coord_apart(at->sy[i], ((const coord *)at->ref_y)[i]);
 #else
 		double qx = at->sx[i] - (double)at->ref_x[i], qy = at->sy[i] - (double)at->ref_y[i];
 #endif
@@ -390,8 +391,8 @@ static inline void packed_tear(struct packed_place *at)
 			if (at->flag[p] != BOND_INTACT)
 				continue;
 #ifdef RVE_FLOAT
-			double ax = (coord)((uint32_t)at->sx[j] - (uint32_t)at->sx[row]) * COORD_UNIT,
-				   ay = (coord)((uint32_t)at->sy[j] - (uint32_t)at->sy[row]) * COORD_UNIT;
+			double ax = coord_apart(at->sx[j], at->sx[row]) * COORD_UNIT,
+				   ay = coord_apart(at->sy[j], at->sy[row]) * COORD_UNIT;
 #else
 			double ax = at->sx[j] - at->sx[row], ay = at->sy[j] - at->sy[row];
 			ax -= real_nearest(ax), ay -= real_nearest(ay);

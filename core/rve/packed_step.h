@@ -17,7 +17,7 @@ VECFN vec coord_move(coord *s, num *rest, vec way)
 {
 #ifdef RVE_FLOAT
 	vec sum = vec_load(rest) + way;
-	ivec whole = vec_whole(sum), to = coord_load(s) + whole;
+	ivec whole = vec_whole(sum), to = coord_moved(coord_load(s), whole);
 	vec_store(rest, sum - __builtin_convertvector(whole, vec));
 	coord_store(s, to);
 	return (vec)to;

@@ -51,6 +51,7 @@ enum {
 
 typedef num vec __attribute__((vector_size(VECTOR_BYTES), may_alias));
 typedef mask_lane ivec __attribute__((vector_size(VECTOR_BYTES), may_alias));
+typedef uint32_t wrapping __attribute__((vector_size(VECTOR_BYTES), may_alias)); /* of coordinates: overflow is meant */
 typedef real32 vec32 __attribute__((vector_size(VECTOR_WIDTH * 4), may_alias));
 typedef unsigned char flags __attribute__((vector_size(VECTOR_WIDTH), may_alias));
 
@@ -201,8 +202,10 @@ VECFN vec vec_size(vec a) { return vec_max(a, -a); }
 VECFN ivec coord_load(const coord *p) { return *(const ivec *)p; }
 VECFN void coord_store(coord *p, ivec x) { *(ivec *)p = x; }
 /* b - a to the nearest image, in COORD_UNIT */
-VECFN vec coord_branch(vec b, vec a) { return __builtin_convertvector((ivec)b - (ivec)a, vec); }
-VECFN vec coord_way(ivec b, ivec a) { return __builtin_convertvector(b - a, vec); }
+VECFN vec coord_way(ivec b, ivec a) { return __builtin_convertvector((ivec)((wrapping)b - (wrapping)a), vec); }
+VECFN vec coord_branch(vec b, vec a) { return coord_way((ivec)b, (ivec)a); }
+VECFN coord coord_apart(coord b, coord a) { return (coord)((uint32_t)b - (uint32_t)a); } /* of one */
+VECFN ivec coord_moved(ivec a, ivec by) { return (ivec)((wrapping)a + (wrapping)by); }
 /* The nearest whole numbers. */
 VECFN ivec vec_whole(vec x)
 {
