@@ -8,11 +8,22 @@ In ParaView's window: Catalyst > Pause and Continue; commands are written into t
 """
 import argparse
 import os
+import re
 import sys
 
 from paraview.simple import *
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(globals().get("__file__", os.path.join("pipelines", "live.py")))))
+
+def own_folder():
+    """ParaView's window does not tell a script where it lies; its command line does."""
+    if "__file__" in globals():
+        return os.path.dirname(os.path.abspath(__file__))
+    with open("/proc/self/cmdline", encoding="utf-8") as stream:
+        found = re.search("\0--script[=\0]([^\0]+)", stream.read())
+    return os.path.dirname(os.path.abspath(found.group(1))) if found else os.path.abspath("pipelines")
+
+
+sys.path.insert(0, own_folder())
 import tmdempm_live
 from tmdempm_view import *
 

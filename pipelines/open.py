@@ -7,11 +7,22 @@
 import argparse
 import glob
 import os
+import re
 import sys
 
 from paraview.simple import *
 
-HERE = os.path.dirname(os.path.abspath(globals().get("__file__", os.path.join("pipelines", "open.py"))))
+
+def own_folder():
+    """ParaView's window does not tell a script where it lies; its command line does."""
+    if "__file__" in globals():
+        return os.path.dirname(os.path.abspath(__file__))
+    with open("/proc/self/cmdline", encoding="utf-8") as stream:
+        found = re.search("\0--script[=\0]([^\0]+)", stream.read())
+    return os.path.dirname(os.path.abspath(found.group(1))) if found else os.path.abspath("pipelines")
+
+
+HERE = own_folder()
 sys.path.insert(0, HERE)
 from tmdempm_view import *
 

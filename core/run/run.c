@@ -157,6 +157,11 @@ static int use_devices(struct run *run)
 			CHECK(law->type->use_devices(law, devices, run->device_note, sizeof run->device_note));
 	}
 	run->devices = run->device_note[0] ? run->device_note : NULL;
+	if (!run->devices && strcmp(devices, "cpu") != 0 && strcmp(devices, "auto") != 0)
+		return error_set(STATUS_INPUT,
+						 "--device %s: no law of this scene computes on devices, only RVEs do; leave the option out or "
+						 "say --device cpu",
+						 devices);
 	return STATUS_OK;
 }
 
