@@ -71,7 +71,7 @@ def usage(f, cfg):
             (("run", cfg, "--set", "walls.[7].friction=1"), "walls"),
             (("run", cfg, "--threads", "0"), "--threads 0"), (("run", cfg, "--threads", "two"), "--threads two"),
             (("run", cfg, "--until", "-1"), "--until"), (("run", cfg, "--device", "cuda"), "--device cuda"),
-            (("run", cfg, "--device", "abacus"), "expected cpu"), (("run", "nothing.cfg"), "nothing.cfg"),
+            (("run", cfg, "--device", "abacus"), "expected auto, cpu"), (("run", "nothing.cfg"), "nothing.cfg"),
             (("check",), "which scene"), (("check", cfg, "--out", "x"), "--out"), (("info", "more"), "`more`"),
             (("bench",), "expected one of"), (("bench", "everything"), "expected one of")):
         done = subprocess.run([TMDEMPM] + list(arguments), capture_output=True, text=True, cwd=f.path, env=environment())
