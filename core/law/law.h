@@ -130,6 +130,14 @@ struct law {
 /* Every law there is, NULL-terminated; `tmdempm info` prints it. */
 extern const struct law_type *const law_types[];
 
+/* The type of a scene's law; NULL if this build does not have it. */
+const struct law_type *law_type_of(const struct scene_law *scene);
+
+/* For create(): law->model and the states of law->n_points points, of so many bytes each and all zero; STATUS_RESOURCE
+ * if memory is short.  And the destroy() of a law that has no more than these. */
+int law_allocate(struct law *law, size_t model_bytes, size_t state_bytes);
+void law_release(struct law *law);
+
 /* Creates the instance for a scene's law. */
 int law_create(struct law **law, const struct scene_law *scene, int n_points, const int *variant);
 void law_free(struct law *law);

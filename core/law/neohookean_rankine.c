@@ -18,8 +18,6 @@
  * unilateral: only the principal values of tau0 that pull are scaled.  That stress has no potential; psi0 is split
  * among its principal values by their squares, and what the ledger then misses is an error of this form. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/error.h"
 #include "base/mat2.h"
@@ -110,16 +108,10 @@ static int begin_states(struct law *law, const struct scene_law *scene)
 
 static int rankine_create(struct law *law, const struct scene_law *scene, int n_points, const int *variant)
 {
-	(void)variant;
+	(void)n_points, (void)variant;
 	const struct scene_law_rankine *s = &scene->rankine;
-	struct model *m = calloc(1, sizeof *m);
-	law->model = m;
-	law->state_bytes = sizeof(struct state);
-	size_t bytes = ((size_t)n_points * sizeof(struct state) + 63) / 64 * 64 + 64;
-	law->states = aligned_alloc(64, bytes);
-	if (!m || !law->states)
-		return error_set(STATUS_RESOURCE, "out of memory for %d points of law '%s'", n_points, law->name);
-	memset(law->states, 0, bytes);
+	CHECK(law_allocate(law, sizeof(struct model), sizeof(struct state)));
+	struct model *m = law->model;
 	*m = (struct model){.K = s->young / (3.0 * (1.0 - 2.0 * s->poisson)),
 						.G = s->young / (2.0 * (1.0 + s->poisson)),
 						.coupling = 3.0 * s->expansion,
@@ -131,12 +123,6 @@ static int rankine_create(struct law *law, const struct scene_law *scene, int n_
 						.projected = s->projected};
 	law->coupling = fabs(m->K - 2.0 / 3.0 * m->G) / (m->K + 4.0 / 3.0 * m->G);
 	return begin_states(law, scene);
-}
-
-static void rankine_destroy(struct law *law)
-{
-	free(law->model);
-	free(law->states);
 }
 
 /* ---- response ---- */
@@ -306,7 +292,7 @@ const struct law_type law_neohookean_rankine = {
 	.fields = rankine_fields,
 	.n_fields = sizeof rankine_fields / sizeof *rankine_fields,
 	.create = rankine_create,
-	.destroy = rankine_destroy,
+	.destroy = law_release,
 	.evaluate = rankine_evaluate,
 	.advance = rankine_advance,
 	.export_field = rankine_export,

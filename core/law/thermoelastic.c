@@ -18,8 +18,6 @@
  * Plane strain by default.  In plane stress (hencky only) lambda is 2 lambda mu / (lambda + 2 mu), and the stress is
  * that per initial thickness: the grid knows the area of a point, not how thick it has become. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "base/error.h"
 #include "base/mat2.h"
@@ -52,16 +50,10 @@ static struct state *state_of(const struct law *law, int slot) { return (struct 
 
 static int thermoelastic_create(struct law *law, const struct scene_law *scene, int n_points, const int *variant)
 {
-	(void)variant;
+	(void)n_points, (void)variant;
 	const struct scene_law_thermoelastic *s = &scene->thermoelastic;
-	struct model *m = calloc(1, sizeof *m);
-	law->model = m;
-	law->state_bytes = sizeof(struct state);
-	size_t bytes = ((size_t)n_points * sizeof(struct state) + 63) / 64 * 64 + 64;
-	law->states = aligned_alloc(64, bytes);
-	if (!m || !law->states)
-		return error_set(STATUS_RESOURCE, "out of memory for %d points of law '%s'", n_points, law->name);
-	memset(law->states, 0, bytes);
+	CHECK(law_allocate(law, sizeof(struct model), sizeof(struct state)));
+	struct model *m = law->model;
 	double lambda = s->young * s->poisson / ((1.0 + s->poisson) * (1.0 - 2.0 * s->poisson));
 	m->mu = s->young / (2.0 * (1.0 + s->poisson));
 	m->lambda_3d = lambda;
@@ -79,12 +71,6 @@ static int thermoelastic_create(struct law *law, const struct scene_law *scene, 
 	m->modulus = m->lambda + 2.0 * m->mu;
 	law->coupling = fabs(m->lambda) / m->modulus;
 	return STATUS_OK;
-}
-
-static void thermoelastic_destroy(struct law *law)
-{
-	free(law->model);
-	free(law->states);
 }
 
 /* ln V = 1/2 ln b of a deformation gradient: (xx, yy, xy) and its trace ln J.  With b = m I + d, d^2 = r^2 I:
@@ -300,7 +286,7 @@ const struct law_type law_thermoelastic = {
 	.fields = thermoelastic_fields,
 	.n_fields = sizeof thermoelastic_fields / sizeof *thermoelastic_fields,
 	.create = thermoelastic_create,
-	.destroy = thermoelastic_destroy,
+	.destroy = law_release,
 	.evaluate = thermoelastic_evaluate,
 	.advance = thermoelastic_advance,
 	.export_field = thermoelastic_export,

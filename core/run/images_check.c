@@ -8,15 +8,6 @@
 /* What every frame carries beside the tables. */
 static const struct field frame_fields[] = {{"material", "-", 1, ""}, {"id", "-", 1, ""}};
 
-static const struct law_type *law_type_of(const struct scene_law *law)
-{
-	const char *name = scene_law_type_names[law->type];
-	for (int k = 0; law_types[k]; k++)
-		if (!strcmp(law_types[k]->name, name))
-			return law_types[k];
-	return NULL;
-}
-
 /* A field by its name, among the points' own and those of the laws that this scene uses. */
 static const struct field *find_field(const struct scene *scene, const char *name)
 {
