@@ -10,18 +10,10 @@ import glob
 import os
 import sys
 
-try:
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
-except ImportError:
-    sys.exit(77)
+from chart import Figure, FigureCanvasAgg, matplotlib  # first: it ends the script where matplotlib is missing
+from matplotlib.lines import Line2D
 
-matplotlib.rcParams.update({
-    "font.size": 9, "axes.grid": True, "grid.color": "0.9", "axes.axisbelow": True, "svg.hashsalt": "tmdempm",
-    "legend.frameon": False, "axes.spines.top": False, "axes.spines.right": False,
-})
+matplotlib.rcParams["legend.fontsize"] = "medium"
 COLOURS = ["#0072b2", "#009e73", "#d55e00"]
 MARKERS = ["o", "s", "^"]
 

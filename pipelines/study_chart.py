@@ -13,20 +13,10 @@ import os
 import sys
 import textwrap
 
-try:
-    import matplotlib
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-    from matplotlib.lines import Line2D
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-except ImportError:
-    sys.exit(77)
+from chart import COLOURS, Figure, FigureCanvasAgg  # first: it ends the script where matplotlib is missing
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-matplotlib.rcParams.update({
-    "font.size": 9, "axes.grid": True, "grid.color": "0.9", "axes.axisbelow": True, "svg.hashsalt": "tmdempm",
-    "legend.frameon": False, "axes.spines.top": False, "axes.spines.right": False, "legend.fontsize": 8,
-})
-COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#8c564b", "#7f7f7f", "#bcbd22"]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "*"]
 SIZES = [5.0, 7.5, 10.0, 12.5, 4.0, 15.0]
 LESS_THAN_A_TICK = 1e-4  # s: clocks do not tell shorter times apart
