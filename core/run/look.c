@@ -34,16 +34,14 @@ struct look_points {
 /* The loader reads files. */
 static int look_load_scene(struct look *look, const char *text)
 {
-	char path[] = "/tmp/tmdempm-scene-XXXXXX";
-	int file = mkstemp(path);
-	size_t size = strlen(text);
-	bool written = file >= 0 && write(file, text, size) == (ssize_t)size;
-	if (file >= 0)
-		close(file);
+	char path[FILE_PATH];
+	CHECK(file_scratch(path, "scene"));
+	FILE *out = fopen(path, "w");
+	bool written = out && fputs(text, out) >= 0;
+	written = out && !fclose(out) && written;
 	int status = written ? scene_load(&look->parts->scene, path, 0, NULL, stderr)
-						 : error_set(STATUS_RESOURCE, "cannot write a temporary file in /tmp");
-	if (file >= 0)
-		unlink(path);
+						 : error_set(STATUS_RESOURCE, "cannot write the temporary file %s", path);
+	unlink(path);
 	if (status == STATUS_INPUT)
 		return error_set(status, "this release cannot read the scene that is stored in %s", look->source);
 	CHECK(status);
