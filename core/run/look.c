@@ -101,7 +101,7 @@ static int look_value(const struct look *look, const struct look_points *points,
 }
 
 /* The law of the point with this id. */
-static const struct law *look_law(const struct look *look, int id)
+static struct law *look_law(const struct look *look, int id)
 {
 	const struct mpm *mpm = look->parts->mpm;
 	return mpm->laws[mpm->p.law[mpm_point_by_id(mpm, id)]];
@@ -457,7 +457,17 @@ static int look_missing(const struct look *look, hid_t snapshot, int id)
 					 look->source, *there ? there : "there are none", id, command, out, id);
 }
 
-static int look_read_state(struct look *look, hid_t set, const struct law *law)
+/* The law's model becomes that of the path that the state was computed on. */
+static int look_follow_path(const struct look *look, hid_t set, struct law *law)
+{
+	char *path;
+	CHECK(h5_read_attribute_text(set, "path", &path, look->source));
+	int status = strcmp(path, law->path) != 0 ? law->type->change_path(law, path) : STATUS_OK;
+	free(path);
+	return status;
+}
+
+static int look_read_state(struct look *look, hid_t set, struct law *law)
 {
 	long long packings;
 	hsize_t bytes;
@@ -469,6 +479,7 @@ static int look_read_state(struct look *look, hid_t set, const struct law *law)
 						 "%s does not say with which packings it was computed: an earlier release wrote it",
 						 look->source);
 	CHECK(h5_read_integer(set, "packings", &packings, look->source));
+	CHECK(look_follow_path(look, set, law));
 	if (bytes != law->state_bytes || packings != (long long)law->model_hash)
 		return error_set(STATUS_INPUT,
 						 "%s was computed with other packings in law %s, or by another release: its states cannot be "
