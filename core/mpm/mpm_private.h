@@ -362,7 +362,6 @@ double freezing_heat(const struct mpm *mpm, int p);
 /* ---- wall.c ---- */
 int walls_create(struct mpm *mpm);
 void walls_free(struct mpm *mpm);
-bool wall_active(const struct mpm *mpm, int wall);
 /* Is x inside the wall's solid, further than `tolerance` (m) from its surface? */
 bool wall_contains(const struct mpm *mpm, int wall, const double x[2], double tolerance);
 /* Looks again which walls are on, where they are and which nodes they hold. */
