@@ -91,8 +91,17 @@ static void planted_race(void **unused)
 {
 	(void)unused;
 	text_read();
-	text_plant("void contacts_of_level(", "SYNC();", ""); /* forces are gathered before all are there */
+	text_plant("", "PHASE(if (forces && FINE) contacts(at, k + 1 == call->sub_steps, bonded));",
+			   "contacts(at, k + 1 == call->sub_steps, bonded);"); /* forces are gathered before all are there */
 	found("data race");
+}
+
+static void planted_uninitialised(void **unused)
+{
+	(void)unused;
+	text_read();
+	text_plant("void cell_move(", "= 0.0, block->lanes[LANE_SECOND][lane] = 0.0;", "= 0.0;");
+	found("Uninitialized");
 }
 
 static void planted_bounds(void **unused)
@@ -107,7 +116,7 @@ static void planted_divergence(void **unused)
 {
 	(void)unused;
 	text_read();
-	text_plant("void kick(", "SYNC();", "if (get_local_id(0) < 16) SYNC();");
+	text_plant("void kick(", "const real dt", "if (get_local_id(0) < 16) SYNC(); const real dt");
 	found("divergence");
 }
 
@@ -125,9 +134,11 @@ int main(void)
 	setenv("OCLGRIND_LOCAL_MEM_SIZE", "131072", 1);
 	setenv("OCLGRIND_CHECK_API", "1", 1);
 	setenv("OCLGRIND_DATA_RACES", "1", 1);
+	setenv("OCLGRIND_UNINITIALIZED", "1", 1);
 	setenv("OCLGRIND_MAX_ERRORS", "5", 1);
 	setenv("OCLGRIND_LOG", log_file, 1);
 	const struct CMUnitTest tests[] = {cmocka_unit_test(clean), cmocka_unit_test(planted_race),
-									   cmocka_unit_test(planted_bounds), cmocka_unit_test(planted_divergence)};
+									   cmocka_unit_test(planted_bounds), cmocka_unit_test(planted_uninitialised),
+									   cmocka_unit_test(planted_divergence)};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
