@@ -11,6 +11,7 @@ enum { DEVICE_CASE_RVES = 5 };
 
 struct device_case {
 	struct rve_model *model;
+	int first, n; /* which of them live */
 	unsigned char *states;
 	double stress[DEVICE_CASE_RVES][4], heat[DEVICE_CASE_RVES], conductivity[DEVICE_CASE_RVES][3],
 		modulus[DEVICE_CASE_RVES], T[DEVICE_CASE_RVES];
@@ -20,6 +21,7 @@ static inline void device_case_start(struct device_case *c, struct rve_model *mo
 {
 	memset(c, 0, sizeof *c);
 	c->model = model;
+	c->n = DEVICE_CASE_RVES;
 	c->states = aligned_alloc(64, DEVICE_CASE_RVES * rve_state_bytes(model));
 	assert_non_null(c->states);
 	for (int k = 0; k < DEVICE_CASE_RVES; k++) {
@@ -45,17 +47,17 @@ static inline int device_case_advance(struct device_case *c, struct rve_pool *po
 		dT[k] = k == 1 ? 2.0 : k == 4 ? 15.0 : 0.0;
 		c->T[k] += dT[k];
 	}
-	struct rve_batch batch = {.n = DEVICE_CASE_RVES,
-							  .states = c->states,
-							  .L = (const double(*)[4])L,
-							  .dT = dT,
-							  .T = c->T,
+	struct rve_batch batch = {.n = c->n,
+							  .states = c->states + (size_t)c->first * rve_state_bytes(c->model),
+							  .L = (const double(*)[4])L + c->first,
+							  .dT = dT + c->first,
+							  .T = c->T + c->first,
 							  .pool = pool,
 							  .dt = 1e-4,
-							  .stress = c->stress,
-							  .heat = c->heat,
-							  .conductivity = c->conductivity,
-							  .modulus = c->modulus};
+							  .stress = c->stress + c->first,
+							  .heat = c->heat + c->first,
+							  .conductivity = c->conductivity + c->first,
+							  .modulus = c->modulus + c->first};
 	return rve_advance(c->model, &batch);
 }
 
