@@ -30,6 +30,8 @@ static const char help[] =
 	"                        [--live [PORT|HOST:PORT]] [--pipeline FILE.py]... [--steering FILE.csv] [--paused]\n"
 	"      runs a scene; its output goes to DIR (default: SCENE.out here); a DIR that is not empty is refused,\n"
 	"      --force moves it aside; --restart continues a checkpoint in its own folder, bit for bit;\n"
+	"      with --allow-path-change RVEs of another path are converted: a restart on serial, simd or single as the scene or\n"
+	"      --device asks, in other bits from then on;\n"
 	"      --live shows the run to a ParaView that listens (default 127.0.0.1:22222), which may come and go;\n"
 	"      --pipeline runs a script of ParaView Catalyst, whose files go to DIR/catalyst;\n"
 	"      --steering repeats what steered another run (its steering.csv); --paused waits for `steer` before the first "

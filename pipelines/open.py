@@ -85,7 +85,7 @@ def show_rve(folder, name, time):
     show_discs(view, discs)
     network = Network(view, contacts)
     network.update(range_of(data_of(discs), "radius")[1])
-    heading(view, "RVE " + name)
+    heading(view, "RVE %s\n%s" % (name, note_of(data_of(discs))))
     look_at(view, bounds_of(discs, contacts))
     return view
 

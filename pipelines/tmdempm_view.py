@@ -3,6 +3,7 @@
 Every function takes ParaView's sources as they come: channels of a running simulation, extracts of a live connection, or
 readers of a finished run's .pvd files.
 """
+import math
 import os
 
 from paraview import servermanager
@@ -84,19 +85,27 @@ def save_view(view, path):
     os.replace(os.path.join(folder, "." + name), path)
 
 
+def digits_for(low, high):
+    """How many digits tell the labels of a bar apart."""
+    largest, span = max(abs(low), abs(high)), high - low
+    return max(4, min(15, math.ceil(math.log10(largest / span)) + 3)) if span > 0 else 6
+
+
 def colour(view, display, data, field, preset=None, title=None, limits=None, separate=False):
     """Colours by a field, with a bar; limits = the field's own; separate = not those of other views.  Returns the colours."""
     ColorBy(display, (location_of(data, field), field), separate)
     table = GetColorTransferFunction(field, display, separate=separate)
     table.ApplyPreset(preset or MAPS.get(field, MAPS[""]), True)
-    table.RescaleTransferFunction(*(limits or range_of(data, field)))
+    low, high = limits or range_of(data, field)
+    table.RescaleTransferFunction(low, high)
     table.NanColor, table.NanOpacity = [0.8, 0.8, 0.8], 1.0
     bar, unit = GetScalarBar(table, view), unit_of(data, field)
     bar.Title, bar.ComponentTitle = (title or field.replace("_", " ")) + (" [%s]" % unit if unit else ""), ""
     bar.TitleColor, bar.LabelColor = BLACK, BLACK
     bar.TitleFontSize, bar.LabelFontSize = 15, 13
-    bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, "%.4g", "%.4g"
-    bar.WindowLocation, bar.Position, bar.ScalarBarLength = "Any Location", [0.84, 0.2], 0.55
+    digits = "%%.%dg" % digits_for(low, high)
+    bar.AutomaticLabelFormat, bar.LabelFormat, bar.RangeLabelFormat = 0, digits, digits
+    bar.WindowLocation, bar.ScalarBarLength = "Lower Right Corner", 0.55 # placed whole, however narrow the window
     bar.Visibility = 1
     display.SetScalarBarVisibility(view, True)
     return table

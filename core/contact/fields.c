@@ -429,8 +429,8 @@ void contact_redirect(const struct mpm *mpm, int n, const int *point, struct sha
 	for (int k = 0; k < n; k++) {
 		if (!contact_is_near(mpm, point[k]))
 			continue;
-		for (int a = k * lists->nodes; a < (k + 1) * lists->nodes; a++)
-			if (c->first[lists->node[a]] >= 0)
-				lists->node[a] = contact_field_of(mpm, c, lists->node[a], point[k])->node;
+		for (int a = 0; a < lists->nodes; a++)
+			if (c->first[lists->node[a][k]] >= 0)
+				lists->node[a][k] = contact_field_of(mpm, c, lists->node[a][k], point[k])->node;
 	}
 }

@@ -46,13 +46,13 @@ static void gather_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 		mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &q, &lists);
 		double m = p->mass[q], volume = mat2_determinant(p->F[q]) * p->volume0[q];
 		for (int a = 0; a < lists.nodes; a++) {
-			int node = lists.node[a];
-			if (c->first[node] < 0 || lists.weight[a] == 0.0)
+			int node = lists.node[a][0];
+			if (c->first[node] < 0 || lists.weight[a][0] == 0.0)
 				continue;
 			struct contact_field *field = contact_field_of(mpm, c, node, q);
-			field->gradient[0] += lists.grad_x[a] * m;
-			field->gradient[1] += lists.grad_y[a] * m;
-			field->volume += lists.weight[a] * volume;
+			field->gradient[0] += lists.grad_x[a][0] * m;
+			field->gradient[1] += lists.grad_y[a][0] * m;
+			field->volume += lists.weight[a][0] * volume;
 		}
 	}
 }
@@ -333,8 +333,8 @@ static void press_block(struct mpm *mpm, int block)
 		if (c->marked[w->cell[q]]) {
 			mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &q, &lists);
 			for (int a = 0; a < lists.nodes; a++)
-				if (c->first[lists.node[a]] >= 0)
-					pressure += lists.weight[a] * contact_field_of(mpm, c, lists.node[a], q)->pressure;
+				if (c->first[lists.node[a][0]] >= 0)
+					pressure += lists.weight[a][0] * contact_field_of(mpm, c, lists.node[a][0], q)->pressure;
 		}
 		mpm->p.contact_pressure[q] = pressure;
 	}

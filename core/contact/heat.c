@@ -35,19 +35,19 @@ static void lift_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 			continue;
 		mpm_lists(mpm, 1, &q, &lists);
 		for (int a = 0; a < lists.nodes; a++) {
-			gx += lists.grad_x[a] * grid->T[lists.node[a]];
-			gy += lists.grad_y[a] * grid->T[lists.node[a]];
+			gx += lists.grad_x[a][0] * grid->T[lists.node[a][0]];
+			gy += lists.grad_y[a][0] * grid->T[lists.node[a][0]];
 		}
 		for (int a = 0; a < lists.nodes; a++) {
-			int node = mpm_home(mpm, lists.node[a]);
+			int node = mpm_home(mpm, lists.node[a][0]);
 			if (c->first[node] < 0)
 				continue;
 			double x = grid->origin[0] + node % grid->nx * grid->spacing[0] - p->x[q][0],
 				   y = grid->origin[1] + node / grid->nx * grid->spacing[1] - p->x[q][1];
 			struct contact_field *field = contact_field_of(mpm, c, node, q);
-			field->lift += capacity * lists.weight[a] * (gx * x + gy * y);
-			field->slope[0] += capacity * lists.weight[a] * gx;
-			field->slope[1] += capacity * lists.weight[a] * gy;
+			field->lift += capacity * lists.weight[a][0] * (gx * x + gy * y);
+			field->slope[0] += capacity * lists.weight[a][0] * gx;
+			field->slope[1] += capacity * lists.weight[a][0] * gy;
 		}
 	}
 }

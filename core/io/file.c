@@ -98,6 +98,31 @@ static long temporary_process(const char *name)
 	return end != dot && *end == '-' && process > 0 ? process : 0;
 }
 
+static int scratch_name(char path[FILE_PATH], const char *name)
+{
+	const char *folder = getenv("TMPDIR");
+	char pattern[64];
+	snprintf(pattern, sizeof pattern, "tmdempm-%.40s-XXXXXX", name);
+	return file_join(path, folder && *folder ? folder : "/tmp", pattern);
+}
+
+int file_scratch(char path[FILE_PATH], const char *name)
+{
+	CHECK(scratch_name(path, name));
+	int file = mkstemp(path);
+	if (file < 0)
+		return error_set(STATUS_RESOURCE, "cannot make the temporary file %s: %s", path, strerror(errno));
+	close(file);
+	return STATUS_OK;
+}
+
+int file_scratch_folder(char path[FILE_PATH], const char *name)
+{
+	CHECK(scratch_name(path, name));
+	return mkdtemp(path) ? STATUS_OK
+						 : error_set(STATUS_RESOURCE, "cannot make the temporary folder %s: %s", path, strerror(errno));
+}
+
 void file_sweep(const char *folder)
 {
 	DIR *stream = opendir(folder);

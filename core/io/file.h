@@ -33,6 +33,10 @@ int file_make_folder(const char *path);
  * open files by name (HDF5).  Finish with file_commit() or unlink(). */
 int file_temporary(char temporary[FILE_PATH], const char *path);
 
+/* An empty file, or a folder, for the while, named after `name` in TMPDIR (or /tmp); the caller removes it. */
+int file_scratch(char path[FILE_PATH], const char *name);
+int file_scratch_folder(char path[FILE_PATH], const char *name);
+
 /* Removes the temporary files of processes that have ended (kill -9, power) from a folder; what cannot be removed
  * stays. */
 void file_sweep(const char *folder);

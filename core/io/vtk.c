@@ -160,9 +160,44 @@ static int vtk_poly_data(struct vtk_file *file)
 	return STATUS_OK;
 }
 
-static int vtk_xml(struct vtk_file *file)
+/* A text of VTK's ASCII form: its bytes as numbers, each text with its zero. */
+static void vtk_text(struct vtk_file *file, const char *text)
+{
+	for (const char *at = text; *at; at++)
+		fprintf(file->stream, "%d ", (unsigned char)*at);
+}
+
+/* What stands beside the arrays, named as in a live connection: time, step, units, and what is known of an RVE. */
+static void vtk_field_data(struct vtk_file *file)
 {
 	const struct frame_header *header = (const void *)file->frame;
+	const struct frame_array *arrays = vtk_arrays(file->frame);
+	int n = 0;
+	for (int a = 0; a < header->n_arrays; a++)
+		n += arrays[a].channel == file->number && arrays[a].location != FRAME_GEOMETRY;
+	fprintf(file->stream,
+			"<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">"
+			"%.17g</DataArray>\n<DataArray type=\"Int64\" Name=\"step\" NumberOfTuples=\"1\" format=\"ascii\">"
+			"%lld</DataArray>\n<DataArray type=\"String\" Name=\"units\" NumberOfTuples=\"%d\" format=\"ascii\">",
+			header->time, (long long)header->step, n);
+	for (int a = 0; a < header->n_arrays; a++)
+		if (arrays[a].channel == file->number && arrays[a].location != FRAME_GEOMETRY) {
+			vtk_text(file, arrays[a].name);
+			vtk_text(file, "=");
+			vtk_text(file, arrays[a].unit);
+			fprintf(file->stream, "0 ");
+		}
+	fprintf(file->stream, "</DataArray>\n");
+	if (file->channel->note[0]) {
+		fprintf(file->stream, "<DataArray type=\"String\" Name=\"note\" NumberOfTuples=\"1\" format=\"ascii\">");
+		vtk_text(file, file->channel->note);
+		fprintf(file->stream, "0</DataArray>\n");
+	}
+	fprintf(file->stream, "</FieldData>\n");
+}
+
+static int vtk_xml(struct vtk_file *file)
+{
 	const struct frame_channel *channel = file->channel;
 	bool image = channel->kind == FRAME_IMAGE;
 	const char *type = image ? "ImageData" : "PolyData";
@@ -177,10 +212,7 @@ static int vtk_xml(struct vtk_file *file)
 				extent, channel->origin[0], channel->origin[1], channel->spacing[0], channel->spacing[1]);
 	else
 		fprintf(file->stream, "<PolyData>\n");
-	fprintf(file->stream,
-			"<FieldData><DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">"
-			"%.17g</DataArray></FieldData>\n",
-			header->time);
+	vtk_field_data(file);
 	if (image) {
 		fprintf(file->stream, "<Piece Extent=\"%s\">\n", extent);
 		vtk_data(file, "PointData", FRAME_POINT);

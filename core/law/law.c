@@ -47,6 +47,7 @@ int law_create(struct law **result, const struct scene_law *scene, int n_points,
 	if (!law)
 		return error_set(STATUS_RESOURCE, "out of memory for law '%s'", scene->name);
 	law->type = type;
+	law->scene = scene;
 	law->n_points = n_points;
 	law->density = NAN;
 	law->coupling = 1.0;

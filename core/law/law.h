@@ -102,6 +102,9 @@ struct law_type {
 	int (*write_out)(struct law *law);
 	void (*restored)(struct law *law);
 
+	/* Makes its states, as they are, those of another path, before use_devices().  NULL where there is but one. */
+	int (*change_path)(struct law *law, const char *path);
+
 	/* Takes its points to these devices (--device; rve/pool.h); `note` says what was chosen.  NULL where a law computes
 	 * here only. */
 	int (*use_devices)(struct law *law, const char *devices, char *note, size_t note_bytes);
@@ -115,6 +118,7 @@ struct law_type {
 struct law {
 	const struct law_type *type;
 	char name[SCENE_NAME];
+	const struct scene_law *scene; /* what it was made from; the caller's */
 	const char *path;     /* which code computes its states; NULL: there is but one */
 	double density;       /* bulk at birth, kg/m3; NAN if the law has no opinion */
 	double coupling;      /* lambda / P-wave modulus at rest, 0..1: couples the two directions in the step's limit; 1 unless create() says less */

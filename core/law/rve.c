@@ -220,6 +220,38 @@ static int install_bonds(struct law *law)
 	return STATUS_OK;
 }
 
+/* A new model on this path takes over the states. */
+static int change_path(struct law *law, const char *path)
+{
+	static const enum scene_rve_path paths[] = {SCENE_RVE_SERIAL, SCENE_RVE_SIMD, SCENE_RVE_SINGLE};
+	struct scene_law on_path = *law->scene;
+	struct law next = *law;
+	const int number = rve_path_number(path);
+	if (number < 0)
+		return error_set(STATUS_INPUT, "law %s: this release has no path \"%s\" for RVEs", law->name, path);
+	on_path.rve.path = paths[number];
+	CHECK(write_out(law));
+	int status = make_model(&next, &on_path, rve_variants(law->model));
+	if (status != STATUS_OK)
+		return error_context(status, "law %s", law->name);
+	next.path = rve_path(next.model);
+	next.state_bytes = rve_state_bytes(next.model);
+	next.twins = NULL;
+	next.states = aligned_alloc(64, next.state_bytes * (size_t)(law->n_points > 0 ? law->n_points : 1));
+	status = next.states ? rve_convert(law->model, law->n_points, law->states, next.model, next.states)
+						 : error_set(STATUS_RESOURCE, "out of memory for %d RVEs", law->n_points);
+	if (status == STATUS_OK && law->twins)
+		status = twins_create(&next.twins, next.model, next.states, law->n_points);
+	struct law *left = status == STATUS_OK ? law : &next; /* what is left over */
+	twins_free(left->twins);
+	rve_model_free(left->model);
+	free(left->states);
+	if (status != STATUS_OK)
+		return error_context(status, "law %s", law->name);
+	*law = next;
+	return STATUS_OK;
+}
+
 static int use_devices(struct law *law, const char *devices, char *note, size_t note_bytes)
 {
 	rve_pool_free(law->pool);
@@ -255,6 +287,7 @@ const struct law_type law_rve = {
 	.reset_ledger = reset_ledger,
 	.counts = counts,
 	.install_bonds = install_bonds,
+	.change_path = change_path,
 	.use_devices = use_devices,
 	.shares = shares,
 	.write_out = write_out,

@@ -59,11 +59,11 @@ void boundaries_drive(struct mpm *mpm)
 		const double v[2] = {share * body->drive[0], share * body->drive[1]};
 		mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &k, &lists);
 		for (int a = 0; a < lists.nodes; a++) {
-			if (!(lists.weight[a] > ON_BOX))
+			if (!(lists.weight[a][0] > ON_BOX))
 				continue;
-			if (w->contact && contact_drive(mpm, lists.node[a], mpm->p.body[k], v))
+			if (w->contact && contact_drive(mpm, lists.node[a][0], mpm->p.body[k], v))
 				continue;
-			memcpy(w->fixed_v[lists.node[a]], v, sizeof v);
+			memcpy(w->fixed_v[lists.node[a][0]], v, sizeof v);
 		}
 	}
 }

@@ -90,12 +90,12 @@ void limit_follow(struct mpm *mpm)
 /* ---- the sums ---- */
 
 /* What a point brings to R of its nodes. */
-INLINE void scatter_rigidity(struct mpm_work *w, const struct shape_lists *lists, int at, int nodes,
-							 const double motion[2], double heat)
+INLINE void scatter_rigidity(struct mpm_work *w, const struct shape_lists *lists, int k, const double motion[2],
+							 double heat)
 {
-	for (int a = 0; a < nodes; a++) {
-		double gx = fabs(lists->grad_x[at + a]), gy = fabs(lists->grad_y[at + a]);
-		struct limit_node *node = &w->limit_nodes[lists->node[at + a]];
+	for (int a = 0; a < lists->nodes; a++) {
+		double gx = fabs(lists->grad_x[a][k]), gy = fabs(lists->grad_y[a][k]);
+		struct limit_node *node = &w->limit_nodes[lists->node[a][k]];
 		node->motion[0] += gx * motion[0];
 		node->motion[1] += gy * motion[1];
 		node->heat[0] += gx * heat;
@@ -117,7 +117,7 @@ static void scatter_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 			double volume = mat2_determinant(p->F[q]) * p->volume0[q], stiffness = volume * p->modulus[q];
 			const double *x = w->limit_points[q].weight, motion[2] = {stiffness * x[0], stiffness * x[1]};
 			double heat = w->thermal_dt > 0.0 ? mpm_conductance(mpm, q, volume) : 0.0;
-			scatter_rigidity(w, &lists, k * lists.nodes, lists.nodes, motion, heat);
+			scatter_rigidity(w, &lists, k, motion, heat);
 		}
 	}
 }
@@ -158,14 +158,14 @@ INLINE double coupled(double b, double c, double r)
 	return 0.5 * (b + c) + sqrt(half * half + r * r * b * c);
 }
 
-static void judge_point(const struct mpm *mpm, struct mpm_work *w, const struct shape_lists *lists, int at, int p,
+static void judge_point(const struct mpm *mpm, struct mpm_work *w, const struct shape_lists *lists, int k, int p,
 						struct limit_sum *sum)
 {
 	struct limit_point *point = &w->limit_points[p];
 	double motion[2] = {0.0, 0.0}, heat[2] = {0.0, 0.0}, row[2];
 	for (int a = 0; a < lists->nodes; a++) {
-		double gx = fabs(lists->grad_x[at + a]), gy = fabs(lists->grad_y[at + a]);
-		const struct limit_node *node = &w->limit_nodes[lists->node[at + a]];
+		double gx = fabs(lists->grad_x[a][k]), gy = fabs(lists->grad_y[a][k]);
+		const struct limit_node *node = &w->limit_nodes[lists->node[a][k]];
 		motion[0] += gx * node->motion[0], motion[1] += gy * node->motion[1];
 		heat[0] += gx * node->heat[0], heat[1] += gy * node->heat[1];
 	}
@@ -173,8 +173,8 @@ static void judge_point(const struct mpm *mpm, struct mpm_work *w, const struct 
 		row[c] = mpm->p.modulus[p] > 0.0 && point->weight[c] > 0.0 ? motion[c] / point->weight[c] : 0.0;
 		point->weight[c] = motion[c];
 	}
-	double k = mpm->dt / mpm->scene->time.step_factor;
-	point->X = severity(&mpm->scene->mpm) * k * k * coupled(row[0], row[1], mpm->laws[mpm->p.law[p]]->coupling);
+	double step = mpm->dt / mpm->scene->time.step_factor;
+	point->X = severity(&mpm->scene->mpm) * step * step * coupled(row[0], row[1], mpm->laws[mpm->p.law[p]]->coupling);
 	double Y = w->thermal_dt / mpm->scene->time.thermal_steps * fmax(heat[0], heat[1]);
 	if (point->X > sum->motion)
 		sum->motion = point->X, sum->stiffest = p;
@@ -192,7 +192,7 @@ static struct limit_sum judge_stripe(const struct mpm *mpm, struct mpm_work *w, 
 		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
 		mpm_lists(mpm, n, chunk, &lists);
 		for (int k = 0; k < n; k++)
-			judge_point(mpm, w, &lists, k * lists.nodes, chunk[k], &sum);
+			judge_point(mpm, w, &lists, k, chunk[k], &sum);
 	}
 	return sum;
 }

@@ -82,10 +82,10 @@ static void push_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 				b[c] += penalty_force(mpm, chunk[k])[c] / points->mass[chunk[k]];
 			if (b[0] == 0.0 && b[1] == 0.0)
 				continue;
-			for (int a = k * lists.nodes; a < (k + 1) * lists.nodes; a++) {
-				double mass = lists.weight[a] * points->mass[chunk[k]];
-				w->body_force[lists.node[a]][0] += mass * b[0];
-				w->body_force[lists.node[a]][1] += mass * b[1];
+			for (int a = 0; a < lists.nodes; a++) {
+				double mass = lists.weight[a][k] * points->mass[chunk[k]];
+				w->body_force[lists.node[a][k]][0] += mass * b[0];
+				w->body_force[lists.node[a][k]][1] += mass * b[1];
 			}
 		}
 	}

@@ -168,6 +168,7 @@ static int create_work(struct mpm *mpm)
 	struct mpm_work *w = mpm_work(mpm);
 	const struct grid *grid = &mpm->grid;
 	size_t nodes = w->n_nodes, n = (size_t)mpm->p.n, rows = nodes / (size_t)grid->nx;
+	w->kernel = mpm_kernel_here();
 	w->shape_grid.nx = grid->nx;
 	w->cells_x = grid->nx - 1, w->cells_y = grid->ny - 1;
 	w->n_stripes = (w->cells_y + STRIPE_ROWS - 1) / STRIPE_ROWS;

@@ -105,6 +105,9 @@ void mpm_measure(struct mpm *mpm);
 /* Where a place of the scene, x (c = 0) or y (1), has gone with a grid that follows a wall, m. */
 double grid_carried(const struct mpm *mpm, double place, int c);
 
+/* Does the scene's wall act in the step that starts now (its times, the stage's walls)? */
+bool mpm_wall_active(const struct mpm *mpm, int wall);
+
 /* What the material did to a wall at one node of the grid in the last step. */
 struct mpm_wall_load {
 	int wall;

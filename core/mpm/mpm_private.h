@@ -10,6 +10,7 @@
 #include <math.h>
 
 #include "contact/contact.h"
+#include "mpm/kernel.h"
 #include "mpm/mpm.h"
 #include "mpm/shape.h"
 
@@ -160,6 +161,7 @@ struct mpm_work {
 	struct contact *contact; /* NULL: one field at every node */
 	struct penalty *penalty; /* contact/penalty.c; NULL: no wall of this kind */
 	size_t n_nodes;          /* entries of an array by node: the grid's, and behind them room for extra fields */
+	const struct mpm_kernel *kernel;
 	int n_rows;              /* of nodes now: the grid's, and behind them those of extra fields, nx slots a row */
 	struct shape_grid shape_grid;
 	struct shape_points shape_points;
@@ -243,7 +245,7 @@ static inline bool mpm_parallel(const struct mpm *mpm) { return mpm->p.n >= PARA
 static inline void mpm_lists(const struct mpm *mpm, int n, const int *point, struct shape_lists *lists)
 {
 	const struct mpm_work *w = mpm_work(mpm);
-	mpm->shape->fill(&w->shape_grid, &w->shape_points, n, point, lists);
+	w->kernel->fill[mpm->shape->number](&w->shape_grid, &w->shape_points, n, point, lists);
 	if (w->contact)
 		contact_redirect(mpm, n, point, lists);
 }
@@ -330,6 +332,11 @@ void motion_forces(struct mpm *mpm);
 /* ---- thermal.c ---- */
 void mpm_heat_nodes(struct mpm *mpm);
 void mpm_remap_temperature(struct mpm *mpm);
+/* W/m3 that fluxes and convection bring to a point at x; T: of the grid there, K. */
+double thermal_boundary(const struct mpm_work *w, const double x[2], double T);
+/* What the slope (gx, gy) of the temperature, K/m, says of imposed nodes from where point p is, number k of its lists. */
+void thermal_lift(const struct mpm *mpm, struct mpm_work *w, const struct shape_lists *lists, int k, int p, double gx,
+				  double gy);
 /* W m2/K: the conductivity times volume that would take as much of the step limit as convection at a point. */
 double mpm_convection_as_conduction(const struct mpm *mpm, int p, double volume);
 
@@ -355,7 +362,6 @@ double freezing_heat(const struct mpm *mpm, int p);
 /* ---- wall.c ---- */
 int walls_create(struct mpm *mpm);
 void walls_free(struct mpm *mpm);
-bool wall_active(const struct mpm *mpm, int wall);
 /* Is x inside the wall's solid, further than `tolerance` (m) from its surface? */
 bool wall_contains(const struct mpm *mpm, int wall, const double x[2], double tolerance);
 /* Looks again which walls are on, where they are and which nodes they hold. */

@@ -14,17 +14,23 @@
 /* Is everything a number?  The sum of the parts is one only if all are. */
 INLINE bool finite4(const double a[4]) { return isfinite(a[0] + a[1] + a[2] + a[3]); }
 
+/* exp(s), cosh(sqrt q2) and sinh(sqrt q2)/sqrt q2, to the last bit or so while |s| and q2 are less than these; of a
+ * number or of a vector of them. */
+#define SERIES_MOST 0.01
+#define SERIES_MOST2 1e-4
+#define EXP_SERIES(s)                                                                                                  \
+	(1.0 + s * (1.0 + s * (1.0 / 2 + s * (1.0 / 6 + s * (1.0 / 24 + s * (1.0 / 120 + s * (1.0 / 720)))))))
+#define COSH_SERIES(q2) (1.0 + q2 * (1.0 / 2 + q2 * (1.0 / 24 + q2 * (1.0 / 720 + q2 * (1.0 / 40320)))))
+#define SINH_SERIES(q2) (1.0 + q2 * (1.0 / 6 + q2 * (1.0 / 120 + q2 * (1.0 / 5040 + q2 * (1.0 / 362880)))))
+
 /* exp(A) F.  The series serves the small increments of a stable step to the last bit or so, without a call to
  * the maths library; what lies outside goes the general way. */
 INLINE void deform(double F[4], const double L[4], double dt)
 {
 	double A[4] = {L[0] * dt, L[1] * dt, L[2] * dt, L[3] * dt}, e[4];
 	double s = 0.5 * (A[0] + A[3]), d = 0.5 * (A[0] - A[3]), q2 = d * d + A[1] * A[2];
-	if (fabs(s) < 0.01 && fabs(q2) < 1e-4) {
-		double es =
-			1.0 + s * (1.0 + s * (1.0 / 2 + s * (1.0 / 6 + s * (1.0 / 24 + s * (1.0 / 120 + s * (1.0 / 720))))));
-		double c = 1.0 + q2 * (1.0 / 2 + q2 * (1.0 / 24 + q2 * (1.0 / 720 + q2 * (1.0 / 40320))));
-		double k = es * (1.0 + q2 * (1.0 / 6 + q2 * (1.0 / 120 + q2 * (1.0 / 5040 + q2 * (1.0 / 362880)))));
+	if (fabs(s) < SERIES_MOST && fabs(q2) < SERIES_MOST2) {
+		double es = EXP_SERIES(s), c = COSH_SERIES(q2), k = es * SINH_SERIES(q2);
 		c *= es;
 		e[0] = c + k * d, e[1] = k * A[1], e[2] = k * A[2], e[3] = c - k * d;
 	} else {
@@ -33,8 +39,8 @@ INLINE void deform(double F[4], const double L[4], double dt)
 	mat2_multiply(e, F, F);
 }
 
-/* A broken point's F tells where its domain reaches, and no more: it stays where the domain has become absurd, stretched
- * to 1/half or pressed to a quarter, until the motion brings it back (methods: frozen F). */
+/* A broken point's F tells where its domain reaches, and no more: it stays where the domain has become absurd,
+ * stretched to 1/half or pressed to a quarter, until the motion brings it back (methods: frozen F). */
 INLINE void deform_point(const struct mpm *mpm, int p, const double L[4])
 {
 	double *F = mpm->p.F[p], old[4];
@@ -86,11 +92,11 @@ INLINE void check_moved(struct mpm *mpm, struct mpm_work *w, int q, bool heat, s
  * identity B D^-1 = sum v (grad w)^T holds only where B was taken: there C itself is carried, at the price of the
  * angular momentum that D's change makes. */
 
-/* The first node of a point as seen from it, m. */
-INLINE void first_node(const struct mpm *mpm, const struct shape_lists *lists, int at, int p, double r[2])
+/* The first node of point p, number k of its chunk, as seen from it, m. */
+INLINE void first_node(const struct mpm *mpm, const struct shape_lists *lists, int k, int p, double r[2])
 {
 	const struct grid *grid = &mpm->grid;
-	int node = mpm_home(mpm, lists->node[at]);
+	int node = mpm_home(mpm, lists->node[0][k]);
 	r[0] = grid->origin[0] + node % grid->nx * grid->spacing[0] - mpm->p.x[p][0];
 	r[1] = grid->origin[1] + node / grid->nx * grid->spacing[1] - mpm->p.x[p][1];
 }
@@ -103,7 +109,7 @@ INLINE void node_of_list(const struct mpm *mpm, const double r[2], int a, int si
 }
 
 /* C from what the point carries; r from first_node(). */
-INLINE void affine_matrix(const struct mpm *mpm, const struct shape_lists *lists, int at, int p, int side,
+INLINE void affine_matrix(const struct mpm *mpm, const struct shape_lists *lists, int k, int p, int side,
 						  const double r[2], double C[4])
 {
 	const double *B = mpm->p.affine[p];
@@ -115,10 +121,10 @@ INLINE void affine_matrix(const struct mpm *mpm, const struct shape_lists *lists
 	for (int a = 0; a < side * side; a++) {
 		double x[2];
 		node_of_list(mpm, r, a, side, x);
-		D[0] += lists->weight[at + a] * x[0] * x[0];
-		D[1] += lists->weight[at + a] * x[1] * x[1];
+		D[0] += lists->weight[a][k] * x[0] * x[0];
+		D[1] += lists->weight[a][k] * x[1] * x[1];
 		if (!mpm->shape->tensor)
-			D[2] += lists->weight[at + a] * x[0] * x[1];
+			D[2] += lists->weight[a][k] * x[0] * x[1];
 	}
 	if (mpm->shape->tensor) {
 		C[0] = B[0] / D[0], C[1] = B[1] / D[1], C[2] = B[2] / D[0], C[3] = B[3] / D[1];
@@ -130,17 +136,17 @@ INLINE void affine_matrix(const struct mpm *mpm, const struct shape_lists *lists
 }
 
 /* What the point is to carry: `share` of the nodes' velocities after the step. */
-INLINE void affine_gather(struct mpm *mpm, const struct shape_lists *lists, int at, int p, int side, double share)
+INLINE void affine_gather(struct mpm *mpm, const struct shape_lists *lists, int k, int p, int side, double share)
 {
 	double r[2], B[4] = {0.0, 0.0, 0.0, 0.0};
-	first_node(mpm, lists, at, p, r);
+	first_node(mpm, lists, k, p, r);
 	for (int a = 0; a < side * side; a++) {
-		const double *v = mpm->grid.v_new[lists->node[at + a]];
+		const double *v = mpm->grid.v_new[lists->node[a][k]];
 		double x[2];
 		node_of_list(mpm, r, a, side, x);
-		x[0] *= lists->weight[at + a], x[1] *= lists->weight[at + a];
+		x[0] *= lists->weight[a][k], x[1] *= lists->weight[a][k];
 		if (mpm->shape->affine_by_gradient)
-			x[0] = lists->grad_x[at + a], x[1] = lists->grad_y[at + a];
+			x[0] = lists->grad_x[a][k], x[1] = lists->grad_y[a][k];
 		B[0] += v[0] * x[0], B[1] += v[0] * x[1];
 		B[2] += v[1] * x[0], B[3] += v[1] * x[1];
 	}

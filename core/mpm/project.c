@@ -45,17 +45,15 @@ INLINE void filter_stripe(struct mpm *mpm, struct mpm_work *w, int stripe, int n
 		mpm_lists(mpm, n, chunk, &lists);
 		const int count = nodes == SHAPE_VARIES ? lists.nodes : nodes;
 		for (int k = 0; k < n; k++) {
-			const int *node = lists.node + k * count;
-			const double *weight = lists.weight + k * count;
 			double m = p->mass[chunk[k]], v[2] = {0.0, 0.0};
 			for (int a = 0; a < count; a++) {
-				v[0] += weight[a] * w->projected[node[a]].term[0];
-				v[1] += weight[a] * w->projected[node[a]].term[1];
+				v[0] += lists.weight[a][k] * w->projected[lists.node[a][k]].term[0];
+				v[1] += lists.weight[a][k] * w->projected[lists.node[a][k]].term[1];
 			}
 			v[0] *= m, v[1] *= m;
 			for (int a = 0; a < count; a++) {
-				w->projected[node[a]].back[0] += weight[a] * v[0];
-				w->projected[node[a]].back[1] += weight[a] * v[1];
+				w->projected[lists.node[a][k]].back[0] += lists.weight[a][k] * v[0];
+				w->projected[lists.node[a][k]].back[1] += lists.weight[a][k] * v[1];
 			}
 		}
 	}
@@ -123,19 +121,19 @@ INLINE void momentum_stripe(struct mpm *mpm, struct mpm_work *w, int stripe, int
 		mpm_lists(mpm, n, chunk, &lists);
 		const int side = sides == SHAPE_VARIES ? lists.side : sides;
 		for (int k = 0; k < n; k++) {
-			int at = k * side * side, q = chunk[k];
+			int q = chunk[k];
 			double r[2] = {0.0, 0.0}, C[4] = {0.0, 0.0, 0.0, 0.0};
 			if (p->affine) {
-				first_node(mpm, &lists, at, q, r);
-				affine_matrix(mpm, &lists, at, q, side, r, C);
+				first_node(mpm, &lists, k, q, r);
+				affine_matrix(mpm, &lists, k, q, side, r, C);
 			}
 			for (int a = 0; a < side * side; a++) {
-				double x[2], m = p->mass[q] * lists.weight[at + a];
-				double *back = w->projected[lists.node[at + a]].back;
+				double x[2], m = p->mass[q] * lists.weight[a][k];
+				double *back = w->projected[lists.node[a][k]].back;
 				node_of_list(mpm, r, a, side, x);
 				back[0] += m * (p->v[q][0] + C[0] * x[0] + C[1] * x[1]);
 				back[1] += m * (p->v[q][1] + C[2] * x[0] + C[3] * x[1]);
-				mpm->grid.mass[lists.node[at + a]] += m;
+				mpm->grid.mass[lists.node[a][k]] += m;
 			}
 		}
 	}
@@ -202,10 +200,10 @@ static void strain_block(struct mpm *mpm, struct mpm_work *w, int block)
 			int q = chunk[k];
 			double *L = p->L[q];
 			memset(L, 0, sizeof p->L[q]);
-			for (int a = k * lists.nodes; a < (k + 1) * lists.nodes; a++) {
-				const double *u = w->projected[lists.node[a]].strain;
-				L[0] += u[0] * lists.grad_x[a], L[1] += u[0] * lists.grad_y[a];
-				L[2] += u[1] * lists.grad_x[a], L[3] += u[1] * lists.grad_y[a];
+			for (int a = 0; a < lists.nodes; a++) {
+				const double *u = w->projected[lists.node[a][k]].strain;
+				L[0] += u[0] * lists.grad_x[a][k], L[1] += u[0] * lists.grad_y[a][k];
+				L[2] += u[1] * lists.grad_x[a][k], L[3] += u[1] * lists.grad_y[a][k];
 			}
 			w->strain_power[block] += stress_power(p->stress[q], L, mat2_determinant(p->F[q]) * p->volume0[q]);
 			deform_point(mpm, q, L);

@@ -14,17 +14,17 @@ enum {
 	SHAPE_VARIES = 0      /* for a number of nodes: as the lists say, chunk by chunk */
 };
 
-/* The lists of a chunk.  Entry a of point k is number k * nodes + a; every point has exactly `nodes` entries, those
- * that it does not need with weight and gradient zero.  They are a square of nodes: entry j * side + i is the node
- * (i, j) steps from the first. */
+/* The lists of a chunk: [a][k] is entry a of point k.  Every point has exactly `nodes` entries, those that it does not
+ * need with weight and gradient zero.  They are a square of nodes: entry j * side + i is the node (i, j) steps from the
+ * first.  Points lie side by side, so that short vectors of them are worked on at once (kernel.h). */
 struct shape_lists {
 	int side;  /* 2, 3 or 4; the same in every chunk unless the shape says otherwise (varies) */
 	int nodes; /* side^2 */
-	int node[SHAPE_CHUNK * SHAPE_MAX_NODES];
-	double weight[SHAPE_CHUNK * SHAPE_MAX_NODES]; /* - */
-	double grad_x[SHAPE_CHUNK * SHAPE_MAX_NODES]; /* 1/m */
-	double grad_y[SHAPE_CHUNK * SHAPE_MAX_NODES];
-} __attribute__((aligned(64)));
+	int node[SHAPE_MAX_NODES][SHAPE_CHUNK] __attribute__((aligned(64)));
+	double weight[SHAPE_MAX_NODES][SHAPE_CHUNK] __attribute__((aligned(64))); /* - */
+	double grad_x[SHAPE_MAX_NODES][SHAPE_CHUNK];                              /* 1/m */
+	double grad_y[SHAPE_MAX_NODES][SHAPE_CHUNK];
+};
 
 /* What a fill function has to know of the grid: node (i, j) = j * nx + i lies at
  * origin + (i / inverse_h[0], j / inverse_h[1]). */
@@ -43,7 +43,10 @@ struct shape_points {
 	const double (*edge)[4]; /* by body: both edges of that domain, x y x y, m: it may lie askew in the grid */
 };
 
+enum shape_number { SHAPE_LINEAR, SHAPE_UGIMP, SHAPE_CPDI, SHAPE_COUNT };
+
 struct shape {
+	enum shape_number number;
 	const char *name;
 	const char *doc;
 	int max_nodes;
@@ -58,7 +61,8 @@ struct shape {
 	/* and the most that sum_I h^2 (dw_I/dx)^2 / w_I can be in one direction, wherever it is; INFINITY = no bound. */
 	double (*lone)(double half);
 
-	/* Lists of the n <= SHAPE_CHUNK points point[0..n-1]. */
+	/* Lists of the 0 < n <= SHAPE_CHUNK points point[0..n-1].  Passes over many points call what it calls (kernel.h).
+	 */
 	void (*fill)(const struct shape_grid *grid, const struct shape_points *points, int n, const int *point,
 				 struct shape_lists *lists);
 };

@@ -7,7 +7,6 @@
  * all lie on one side of it, and their mean would be wrong by the slope times the distance to their centre. */
 #include <math.h>
 
-#include "base/mat2.h"
 #include "mpm/mpm_private.h"
 
 /* Remapped temperature; imposed values replace it before heat flows. */
@@ -75,8 +74,8 @@ static bool reaches(const struct point_heat *heat, const double x[2])
 	return heat->on && x[0] >= b->min[0] && x[0] <= b->max[0] && x[1] >= b->min[1] && x[1] <= b->max[1];
 }
 
-/* W/m3 that fluxes and convection bring to a point (the virtual layer of eq. 10); T: of the grid at the point, K. */
-static double boundary_heat(const struct mpm_work *w, const double x[2], double T)
+/* The virtual layer of eq. 10. */
+double thermal_boundary(const struct mpm_work *w, const double x[2], double T)
 {
 	double sum = 0.0;
 	for (int f = 0; f < w->n_point_heats; f++) {
@@ -97,99 +96,28 @@ double mpm_convection_as_conduction(const struct mpm *mpm, int p, double volume)
 	return 0.25 * h * h * sum * volume;
 }
 
-/* What the slope of the temperature says of imposed nodes from where the point is. */
-static void lift_point(const struct mpm *mpm, struct mpm_work *w, const struct shape_lists *lists, int at, int p,
-					   int nodes, double gx, double gy)
+void thermal_lift(const struct mpm *mpm, struct mpm_work *w, const struct shape_lists *lists, int k, int p, double gx,
+				  double gy)
 {
 	const struct grid *grid = &mpm->grid;
 	double capacity = mpm->p.mass[p] * mpm->p.capacity[p];
-	for (int a = 0; a < nodes; a++) {
-		int node = lists->node[at + a];
+	for (int a = 0; a < lists->nodes; a++) {
+		int node = lists->node[a][k];
 		if (isnan(w->fixed_T[node]))
 			continue;
 		int home = mpm_home(mpm, node);
 		double x = grid->origin[0] + home % grid->nx * grid->spacing[0],
 			   y = grid->origin[1] + home / grid->nx * grid->spacing[1];
-		w->fixed_lift[node] +=
-			capacity * lists->weight[at + a] * (gx * (x - mpm->p.x[p][0]) + gy * (y - mpm->p.x[p][1]));
-	}
-}
-
-/* Heat flow q = -k grad T of one point and its sources, to its nodes. */
-static inline __attribute__((always_inline)) void scatter_flow(const struct mpm *mpm, struct mpm_work *w,
-															   const struct shape_lists *lists, int at, int p,
-															   int nodes, double source, bool first_pass)
-{
-	const struct particles *points = &mpm->p;
-	double gx = 0.0, gy = 0.0;
-	for (int a = 0; a < nodes; a++) {
-		double T = mpm->grid.T_new[lists->node[at + a]];
-		gx += lists->grad_x[at + a] * T;
-		gy += lists->grad_y[at + a] * T;
-	}
-	double k[3], volume = mat2_determinant(points->F[p]) * points->volume0[p];
-	mpm_point_conductivity(mpm, p, k);
-	double qx = -volume * (k[0] * gx + k[2] * gy), qy = -volume * (k[2] * gx + k[1] * gy);
-	for (int a = 0; a < nodes; a++)
-		w->sums[lists->node[at + a]].flow +=
-			lists->grad_x[at + a] * qx + lists->grad_y[at + a] * qy + lists->weight[at + a] * source;
-	if (first_pass && w->imposes_T)
-		lift_point(mpm, w, lists, at, p, nodes, gx, gy);
-}
-
-/* K, of the grid at a point. */
-static double temperature_at(const double *grid_T, const struct shape_lists *lists, int at, int nodes)
-{
-	double T = 0.0;
-	for (int a = 0; a < nodes; a++)
-		T += lists->weight[at + a] * grid_T[lists->node[at + a]];
-	return T;
-}
-
-static inline __attribute__((always_inline)) void flow_stripe(struct mpm *mpm, struct mpm_work *w, int stripe,
-															  int nodes, double dt, bool first_pass, bool last_pass)
-{
-	struct shape_lists lists;
-	struct particles *points = &mpm->p;
-	int first, last;
-	mpm_stripe_points(w, stripe, &first, &last);
-	struct stripe_sum *sum = &w->stripe_sums[stripe];
-	for (int i = first; i < last; i += SHAPE_CHUNK) {
-		const int *chunk = w->order + i, n = last - i < SHAPE_CHUNK ? last - i : SHAPE_CHUNK;
-		mpm_lists(mpm, n, chunk, &lists);
-		const int count = nodes == SHAPE_VARIES ? lists.nodes : nodes;
-		for (int k = 0; k < n; k++) {
-			int p = chunk[k];
-			double source = points->heat_pending[p] / w->thermal_dt; /* W */
-			if (w->n_point_heats) {
-				double T = temperature_at(mpm->grid.T_new, &lists, k * count, count);
-				double flow = boundary_heat(w, points->x[p], T) * mat2_determinant(points->F[p]) * points->volume0[p];
-				sum->heat_in += flow > 0.0 ? flow * dt : 0.0;
-				sum->heat_out -= flow < 0.0 ? flow * dt : 0.0;
-				source += flow;
-			}
-			scatter_flow(mpm, w, &lists, k * count, p, count, source, first_pass);
-			if (last_pass) {
-				sum->heat_given += points->heat_pending[p];
-				points->heat_friction_sum[p] += points->heat_pending[p] / points->volume0[p];
-				points->heat_pending[p] = 0.0;
-			}
-		}
+		w->fixed_lift[node] += capacity * lists->weight[a][k] * (gx * (x - mpm->p.x[p][0]) + gy * (y - mpm->p.x[p][1]));
 	}
 }
 
 static void scatter_flows(struct mpm *mpm, struct mpm_work *w, double dt, bool first_pass, bool last_pass)
 {
-	int nodes = mpm->shape->max_nodes;
 	for (int parity = 0; parity < 2; parity++) {
 #pragma omp parallel for schedule(dynamic) if (mpm_parallel(mpm))
 		for (int stripe = parity; stripe < w->n_stripes; stripe += 2)
-			if (nodes == 9)
-				flow_stripe(mpm, w, stripe, 9, dt, first_pass, last_pass);
-			else if (nodes == 4)
-				flow_stripe(mpm, w, stripe, 4, dt, first_pass, last_pass);
-			else
-				flow_stripe(mpm, w, stripe, SHAPE_VARIES, dt, first_pass, last_pass);
+			w->kernel->flow_stripe(mpm, w, stripe, dt, first_pass, last_pass);
 	}
 }
 
@@ -227,7 +155,7 @@ static void lift_at_birth(struct mpm *mpm, struct mpm_work *w)
 		int p = w->order[i];
 		const double *g = mpm->scene->bodies[mpm->p.body[p]].temperature_gradient;
 		mpm_lists(mpm, 1, &p, &lists);
-		lift_point(mpm, w, &lists, 0, p, lists.nodes, g[0], g[1]);
+		thermal_lift(mpm, w, &lists, 0, p, g[0], g[1]);
 	}
 	for (size_t node = 0; node < w->n_nodes; node++)
 		if (!isnan(w->fixed_T[node]) && w->sums[node].capacity > 0.0)
@@ -246,6 +174,9 @@ void mpm_remap_temperature(struct mpm *mpm)
 	for (int i = 0; i < w->n_inside; i++) {
 		int p = w->order[i];
 		mpm_lists(mpm, 1, &p, &lists);
-		mpm->p.T_smooth[p] = temperature_at(mpm->grid.T, &lists, 0, lists.nodes);
+		double T = 0.0;
+		for (int a = 0; a < lists.nodes; a++)
+			T += lists.weight[a][0] * mpm->grid.T[lists.node[a][0]];
+		mpm->p.T_smooth[p] = T;
 	}
 }

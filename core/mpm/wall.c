@@ -60,7 +60,7 @@ bool wall_contains(const struct mpm *mpm, int wall, const double x[2], double to
 	return polygon_contains(s->n, (const double(*)[2])s->v, x, tolerance);
 }
 
-bool wall_active(const struct mpm *mpm, int wall)
+bool mpm_wall_active(const struct mpm *mpm, int wall)
 {
 	const struct scene *scene = mpm->scene;
 	const struct scene_wall *s = &scene->walls[wall];
@@ -283,7 +283,7 @@ void walls_update(struct mpm *mpm)
 	bool changed = false;
 	w->n_wall_nodes = w->n_grid_wall_nodes, w->n_wall_groups = w->n_grid_wall_groups;
 	for (int wall = 0; wall < mpm->scene->n_walls; wall++) {
-		bool on = wall_active(mpm, wall);
+		bool on = mpm_wall_active(mpm, wall);
 		const double *at = mpm->wall_offset[wall], *found = w->wall_found[wall];
 		changed = changed || on != w->wall_on[wall] || (on && (at[0] != found[0] || at[1] != found[1]));
 		w->wall_on[wall] = on;

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "io/file.h"
 #include "run/bench.h"
 #include "run/demo_frames.h"
 #include "run/log.h"
@@ -86,11 +87,10 @@ static int bench_starts(bool json, struct viewer **viewer, const char *log)
 
 int bench_image(bool json)
 {
-	char folder[] = "/tmp/tmdempm-bench-XXXXXX", path[64], log[64];
-	if (!mkdtemp(folder))
-		return error_set(STATUS_RESOURCE, "cannot make a folder in /tmp");
-	snprintf(path, sizeof path, "%s/bench.png", folder);
-	snprintf(log, sizeof log, "%s/viewer.log", folder);
+	char folder[FILE_PATH], path[FILE_PATH], log[FILE_PATH];
+	CHECK(file_scratch_folder(folder, "bench"));
+	CHECK(file_join(path, folder, "bench.png"));
+	CHECK(file_join(log, folder, "viewer.log"));
 	struct viewer *viewer = NULL;
 	int status = bench_starts(json, &viewer, log);
 	if (status == STATUS_OK)

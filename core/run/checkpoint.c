@@ -7,20 +7,19 @@
 #include "run/run_private.h"
 #include "scene/compare.h"
 
-enum { CHECKPOINT_VERSION = 3 };
+enum { CHECKPOINT_VERSION = 4 };
 
 void checkpoint_code_path(const struct mpm *mpm, char *path, size_t size)
 {
-	snprintf(path, size, "cpu, serial kernel, double");
-	bool first = true;
+	path[0] = '\0';
 	for (int l = 0; l < mpm->n_laws; l++) {
 		const struct law *law = mpm->laws[l];
-		if (!law->path || !strcmp(law->path, "serial"))
-			continue;
-		size_t used = first ? 0 : strlen(path);
-		snprintf(path + used, size - used, "%s%s in law %s", first ? "cpu, " : ", ", law->path, law->name);
-		first = false;
+		size_t used = strlen(path);
+		if (law->path)
+			snprintf(path + used, size - used, "%s%s in law %s", used > 0 ? ", " : "", law->path, law->name);
 	}
+	if (!path[0])
+		snprintf(path, size, "double precision, no RVEs");
 }
 
 static hid_t checkpoint_type(char type)
@@ -47,6 +46,19 @@ static int checkpoint_arrays(struct mpm *mpm, struct mpm_state_array **arrays, i
 	return STATUS_OK;
 }
 
+/* The path of each law's states, by the law's name. */
+static int checkpoint_write_paths(hid_t file, const struct mpm *mpm)
+{
+	hid_t group;
+	CHECK(h5_group(&group, file, "paths"));
+	int status = STATUS_OK;
+	for (int l = 0; l < mpm->n_laws && status == STATUS_OK; l++)
+		if (mpm->laws[l]->path)
+			status = h5_attribute_text(group, ".", mpm->laws[l]->name, mpm->laws[l]->path);
+	H5Gclose(group);
+	return status;
+}
+
 static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct history_memory *memory, bool whole)
 {
 	CHECK(h5_attribute_text(file, ".", "format", whole ? "tmdempm checkpoint" : "tmdempm state at a guard"));
@@ -54,6 +66,7 @@ static int checkpoint_write_head(hid_t file, const struct mpm *mpm, const struct
 	char code_path[CODE_PATH];
 	checkpoint_code_path(mpm, code_path, sizeof code_path);
 	CHECK(h5_attribute_text(file, ".", "code_path", code_path));
+	CHECK(checkpoint_write_paths(file, mpm));
 	CHECK(h5_attribute_integer(file, ".", "step", mpm->step));
 	CHECK(h5_attribute_number(file, ".", "time", mpm->time));
 	CHECK(h5_write_text(file, "scene", mpm->scene->text));
@@ -201,19 +214,51 @@ static int checkpoint_read_state(hid_t file, const char *path, struct mpm *mpm)
 	return status == STATUS_OK ? mpm_restored(mpm) : status;
 }
 
-static int checkpoint_check_path(hid_t file, const char *path, const struct mpm *mpm, bool allow_path_change)
+/* The path that the law's states in the file are of; free() it. */
+static int checkpoint_path_of(hid_t file, const char *path, const struct law *law, char **stored)
 {
-	char *stored, code_path[CODE_PATH];
-	checkpoint_code_path(mpm, code_path, sizeof code_path);
-	CHECK(h5_read_attribute_text(file, "code_path", &stored, path));
+	hid_t group = H5Gopen2(file, "paths", H5P_DEFAULT);
+	if (group < 0)
+		return error_set(STATUS_INPUT, "%s holds no `paths`", path);
+	int status = h5_read_attribute_text(group, law->name, stored, path);
+	H5Gclose(group);
+	return status;
+}
+
+/* Takes the law to where the file's states are; `wanted`: where it was, if it is to go back there when it has them. */
+static int checkpoint_follow_path(hid_t file, const char *path, struct law *law, bool allow_path_change,
+								  const char **wanted)
+{
+	const bool open = law->scene->rve.path == SCENE_RVE_AUTO;
+	char *stored;
+	CHECK(checkpoint_path_of(file, path, law, &stored));
 	int status = STATUS_OK;
-	if (strcmp(stored, code_path))
-		status = error_set(
-			STATUS_INPUT, "%s was computed on the path `%s`, this run would use `%s`: %s", path, stored, code_path,
-			allow_path_change ? "states of one are not laid out as those of the other; give the law the path of then"
-							  : "the bits would change; --allow-path-change accepts that where the states are alike");
+	if (strcmp(stored, law->path) != 0 && !open && !allow_path_change)
+		status = error_set(STATUS_INPUT,
+						   "%s was computed on the path `%s` in law %s, this run would use `%s`: the bits would change; "
+						   "--allow-path-change converts the states",
+						   path, stored, law->name, law->path);
+	else if (strcmp(stored, law->path) != 0) {
+		*wanted = allow_path_change ? law->path : NULL;
+		status = law->type->change_path(law, stored);
+	}
 	free(stored);
 	return status;
+}
+
+/* Reads states of whatever path; they stay on it unless they may be changed to what the run would use. */
+static int checkpoint_read_on_paths(hid_t file, const char *path, struct mpm *mpm, bool allow_path_change)
+{
+	const char *wanted[mpm->n_laws + 1];
+	memset(wanted, 0, sizeof wanted);
+	for (int l = 0; l < mpm->n_laws; l++)
+		if (mpm->laws[l]->path)
+			CHECK(checkpoint_follow_path(file, path, mpm->laws[l], allow_path_change, &wanted[l]));
+	CHECK(checkpoint_read_state(file, path, mpm));
+	for (int l = 0; l < mpm->n_laws; l++)
+		if (wanted[l])
+			CHECK(mpm->laws[l]->type->change_path(mpm->laws[l], wanted[l]));
+	return STATUS_OK;
 }
 
 int checkpoint_read(const char *path, struct mpm *mpm, struct history_memory *memory, bool allow_path_change)
@@ -222,11 +267,9 @@ int checkpoint_read(const char *path, struct mpm *mpm, struct history_memory *me
 	CHECK(checkpoint_open(&file, path, false));
 	int status = checkpoint_compare(file, path, mpm->scene);
 	if (status == STATUS_OK)
-		status = checkpoint_check_path(file, path, mpm, allow_path_change);
-	if (status == STATUS_OK)
 		status = checkpoint_read_history(file, path, mpm->scene, memory);
 	if (status == STATUS_OK)
-		status = checkpoint_read_state(file, path, mpm);
+		status = checkpoint_read_on_paths(file, path, mpm, allow_path_change);
 	H5Fclose(file);
 	return status;
 }
@@ -247,9 +290,7 @@ int checkpoint_look(const char *path, struct mpm *mpm)
 {
 	hid_t file;
 	CHECK(checkpoint_open(&file, path, true));
-	int status = checkpoint_check_path(file, path, mpm, false);
-	if (status == STATUS_OK)
-		status = checkpoint_read_state(file, path, mpm);
+	int status = checkpoint_read_on_paths(file, path, mpm, false);
 	H5Fclose(file);
 	return status;
 }

@@ -106,9 +106,9 @@ static bool write_h5(const char *path, char *words)
 /* Tries something with a file in a folder of its own, which is gone afterwards. */
 static bool with_file(char *words, const char *name, bool (*use)(const char *path, char *words))
 {
-	char folder[] = "/tmp/tmdempm-doctor-XXXXXX", path[FILE_PATH];
-	if (!mkdtemp(folder) || !in_folder(path, folder, name)) {
-		snprintf(words, WORDS, "cannot make a folder in /tmp: %s", strerror(errno));
+	char folder[FILE_PATH], path[FILE_PATH];
+	if (file_scratch_folder(folder, "doctor") != STATUS_OK || !in_folder(path, folder, name)) {
+		snprintf(words, WORDS, "%s", error_message());
 		return false;
 	}
 	bool works = use(path, words);

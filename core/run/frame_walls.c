@@ -23,20 +23,6 @@ struct wall_frame {
 	double *length;           /* m of the outline that belongs to a point */
 };
 
-static bool frame_wall_active(const struct mpm *mpm, int w)
-{
-	const struct scene *scene = mpm->scene;
-	const struct scene_wall *wall = &scene->walls[w];
-	if (mpm->time < wall->from || mpm->time >= wall->until)
-		return false;
-	if (mpm->stage < 0 || mpm->stage >= scene->n_stages || scene->stages[mpm->stage].n_walls < 0)
-		return true;
-	for (int i = 0; i < scene->stages[mpm->stage].n_walls; i++)
-		if (scene->stages[mpm->stage].walls[i] == w)
-			return true;
-	return false;
-}
-
 /* ---- outlines ---- */
 
 static void wall_edge(const struct mpm *mpm, int wall, int edge, double ends[2][2])
@@ -60,7 +46,7 @@ static void find_outlines(struct wall_frame *f)
 {
 	for (int w = 0; w < f->mpm->scene->n_walls; w++) {
 		const struct scene_wall *wall = &f->mpm->scene->walls[w];
-		if (!frame_wall_active(f->mpm, w))
+		if (!mpm_wall_active(f->mpm, w))
 			continue;
 		struct outline *o = &f->outlines[f->n_outlines++];
 		*o = (struct outline){.wall = w, .first = f->n_points, .n = 1, .closed = wall->shape == SCENE_WALL_POLYGON};

@@ -34,16 +34,14 @@ struct look_points {
 /* The loader reads files. */
 static int look_load_scene(struct look *look, const char *text)
 {
-	char path[] = "/tmp/tmdempm-scene-XXXXXX";
-	int file = mkstemp(path);
-	size_t size = strlen(text);
-	bool written = file >= 0 && write(file, text, size) == (ssize_t)size;
-	if (file >= 0)
-		close(file);
+	char path[FILE_PATH];
+	CHECK(file_scratch(path, "scene"));
+	FILE *out = fopen(path, "w");
+	bool written = out && fputs(text, out) >= 0;
+	written = out && !fclose(out) && written;
 	int status = written ? scene_load(&look->parts->scene, path, 0, NULL, stderr)
-						 : error_set(STATUS_RESOURCE, "cannot write a temporary file in /tmp");
-	if (file >= 0)
-		unlink(path);
+						 : error_set(STATUS_RESOURCE, "cannot write the temporary file %s", path);
+	unlink(path);
 	if (status == STATUS_INPUT)
 		return error_set(status, "this release cannot read the scene that is stored in %s", look->source);
 	CHECK(status);
@@ -103,7 +101,7 @@ static int look_value(const struct look *look, const struct look_points *points,
 }
 
 /* The law of the point with this id. */
-static const struct law *look_law(const struct look *look, int id)
+static struct law *look_law(const struct look *look, int id)
 {
 	const struct mpm *mpm = look->parts->mpm;
 	return mpm->laws[mpm->p.law[mpm_point_by_id(mpm, id)]];
@@ -459,7 +457,17 @@ static int look_missing(const struct look *look, hid_t snapshot, int id)
 					 look->source, *there ? there : "there are none", id, command, out, id);
 }
 
-static int look_read_state(struct look *look, hid_t set, const struct law *law)
+/* The law's model becomes that of the path that the state was computed on. */
+static int look_follow_path(const struct look *look, hid_t set, struct law *law)
+{
+	char *path;
+	CHECK(h5_read_attribute_text(set, "path", &path, look->source));
+	int status = strcmp(path, law->path) != 0 ? law->type->change_path(law, path) : STATUS_OK;
+	free(path);
+	return status;
+}
+
+static int look_read_state(struct look *look, hid_t set, struct law *law)
 {
 	long long packings;
 	hsize_t bytes;
@@ -471,6 +479,7 @@ static int look_read_state(struct look *look, hid_t set, const struct law *law)
 						 "%s does not say with which packings it was computed: an earlier release wrote it",
 						 look->source);
 	CHECK(h5_read_integer(set, "packings", &packings, look->source));
+	CHECK(look_follow_path(look, set, law));
 	if (bytes != law->state_bytes || packings != (long long)law->model_hash)
 		return error_set(STATUS_INPUT,
 						 "%s was computed with other packings in law %s, or by another release: its states cannot be "

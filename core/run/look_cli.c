@@ -284,12 +284,10 @@ static int draw(const struct look_options *o, const struct look *look, const str
 {
 	struct frame_image image;
 	struct viewer *viewer = NULL;
-	char failure[1024] = "", log[] = "/tmp/tmdempm-viewer-XXXXXX";
-	int made = mkstemp(log);
-	if (made >= 0)
-		close(made);
+	char failure[1024] = "", log[FILE_PATH];
+	CHECK(file_scratch(log, "viewer"));
 	describe_image(&image, o, look, before);
-	int status = viewer_start(&viewer, 1, &image, made >= 0 ? log : NULL);
+	int status = viewer_start(&viewer, 1, &image, log);
 	CHECK(status); /* with the name of the log, which stays */
 	status = viewer_draw(viewer, frame, bytes, 0, o->image);
 	if (status == STATUS_OK)

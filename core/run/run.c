@@ -7,6 +7,7 @@
 #include <time.h>
 
 #include "base/error.h"
+#include "rve/pool.h"
 #include "run/folder.h"
 #include "run/frame_build.h"
 #include "run/run_private.h"
@@ -147,6 +148,15 @@ static int run_set_times(struct run *run)
 	return STATUS_OK;
 }
 
+/* RVEs whose path the scene leaves open are computed as the devices compute them, if there are any. */
+static void choose_paths(struct run *run)
+{
+	const bool devices = rve_devices_any(run->options->device);
+	for (int l = 0; devices && l < run->scene->n_laws; l++)
+		if (run->scene->laws[l].type == SCENE_LAW_RVE && run->scene->laws[l].rve.path == SCENE_RVE_AUTO)
+			run->scene->laws[l].rve.path = SCENE_RVE_SERIAL;
+}
+
 /* The laws that can, to the devices that --device names. */
 static int use_devices(struct run *run)
 {
@@ -182,11 +192,12 @@ static int run_prepare(struct run *run)
 	if (options->threads > 0)
 		omp_set_num_threads(options->threads);
 	run->threads = omp_get_max_threads();
+	choose_paths(run);
 	CHECK(mpm_create(&run->mpm, run->scene));
-	CHECK(use_devices(run));
 	CHECK(history_memory_create(&run->memory, run->scene->n_regions, run->scene->n_cracks));
 	if (restart)
 		CHECK(checkpoint_read(options->restart, run->mpm, &run->memory, options->allow_path_change));
+	CHECK(use_devices(run));
 	if (run->mpm->step > run->last_step)
 		return error_set(STATUS_INPUT, "%s stands at %.9g s, after the end of this run", options->restart,
 						 run->mpm->time);

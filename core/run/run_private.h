@@ -40,16 +40,17 @@ int paths_close(struct paths *paths);
  * middle of a step) is written to be looked at; checkpoint_read() refuses it. */
 int checkpoint_write(const char *path, struct mpm *mpm, const struct history_memory *memory, bool whole);
 
-/* The name of the code whose bits a checkpoint continues. */
+/* Which code's bits a run has, on whatever device: "simd in law sand". */
 enum { CODE_PATH = 512 };
 void checkpoint_code_path(const struct mpm *mpm, char *path, size_t size);
 
 /* Reads the state into an MPM made from the same scene. STATUS_INPUT if the file is of another scene (the
- * message names the first setting that differs), another code path (unless allowed), or broken. */
+ * message names the first setting that differs), another code path, or broken.  Where the scene leaves the path of its
+ * RVEs open, a law goes on on the path of its states; `allow_path_change`: these are converted to the path that the law
+ * was made with. */
 int checkpoint_read(const char *path, struct mpm *mpm, struct history_memory *memory, bool allow_path_change);
 
-/* For looking only: the scene's text (free() it), and the state into an MPM made from it, also one at a guard.  A state
- * of another code path may be kept in another way and is refused. */
+/* For looking only: the scene's text (free() it), and the state into an MPM made from it, also one at a guard. */
 int checkpoint_read_scene(const char *path, char **text);
 int checkpoint_look(const char *path, struct mpm *mpm);
 

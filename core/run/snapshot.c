@@ -306,6 +306,7 @@ static int snapshot_rve(const struct snapshots *s, hid_t group, const char *name
 	CHECK(h5_write(group, name, H5T_NATIVE_UCHAR, law->state_bytes, 0, state));
 	CHECK(h5_attribute_integer(group, name, "id", s->mpm->p.id[point]));
 	CHECK(h5_attribute_integer(group, name, "packings", (long long)law->model_hash));
+	CHECK(h5_attribute_text(group, name, "path", law->path));
 	return h5_attribute_text(group, name, "law", law->name);
 }
 

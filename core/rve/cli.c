@@ -393,7 +393,13 @@ static bool makes_packing(const struct options *o)
 		   !isnan(o->radius_min) || !isnan(o->radius_max) || o->lattice;
 }
 
-static int from_scene(const struct options *o, struct rve_params *params, struct rve_packing **packing)
+/* What a load begins with: a packing, or an RVE that goes on. */
+struct start {
+	struct rve_packing *packing;
+	struct rve_file *file;
+};
+
+static int from_scene(const struct options *o, struct rve_params *params, struct start *start)
 {
 	struct scene *scene;
 	if (makes_packing(o))
@@ -409,19 +415,16 @@ static int from_scene(const struct options *o, struct rve_params *params, struct
 	} else {
 		struct scene_law_rve rve = law->rve;
 		rve.packing.seed = o->seed < 0 ? rve.packing.seed : (unsigned)o->seed;
+		const int path = params->path;
 		rve_params_from_scene(params, &rve);
+		if (start->file && rve.path == SCENE_RVE_AUTO)
+			params->path = path; /* the one that its state is of */
 		if (!o->packing)
-			status = rve_packing_from_scene(packing, &rve, 0);
+			status = rve_packing_from_scene(&start->packing, &rve, 0);
 	}
 	scene_free(scene);
 	return status;
 }
-
-/* What a load begins with: a packing, or an RVE that goes on. */
-struct start {
-	struct rve_packing *packing;
-	struct rve_file *file;
-};
 
 static void start_free(struct start *start)
 {
@@ -445,6 +448,7 @@ static int get_packing(const struct options *o, const struct rve_params *params,
 static int get_rve(const struct options *o, struct rve_params *params, struct start *start)
 {
 	rve_params_default(params);
+	params->path = RVE_SIMD;
 	if ((o->law || o->n_sets) && !o->scene)
 		return usage_error("--%s is given without --scene, expected the scene that it is for", o->law ? "law" : "set");
 	if (o->packing && makes_packing(o))
@@ -454,7 +458,7 @@ static int get_rve(const struct options *o, struct rve_params *params, struct st
 		*params = start->file->params;
 	}
 	if (o->scene)
-		CHECK(from_scene(o, params, &start->packing));
+		CHECK(from_scene(o, params, start));
 	if (!start->packing && !start->file)
 		CHECK(get_packing(o, params, &start->packing));
 	params->mu = or_default(o->mu, params->mu);

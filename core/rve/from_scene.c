@@ -8,7 +8,7 @@
 void rve_params_from_scene(struct rve_params *params, const struct scene_law_rve *law)
 {
 	rve_params_default(params);
-	static const enum rve_code_path paths[] = {RVE_SERIAL, RVE_SERIAL, RVE_SIMD, RVE_SIMD_SINGLE};
+	static const enum rve_code_path paths[] = {RVE_SIMD, RVE_SERIAL, RVE_SIMD, RVE_SIMD_SINGLE};
 	params->path = paths[law->path];
 	params->kn = law->kn;
 	params->ks = law->ks;

@@ -89,11 +89,9 @@ int rve_is_plain(const struct rve_model *model, const struct rve_head *head, con
 struct rve_call rve_begin(const struct rve_model *model, struct rve_head *head, const struct rve_motion *motion);
 struct rve_outcome rve_end(const struct rve_model *model, struct rve_head *head, int status);
 
-/* Between the states of the serial path and those of the model's, a packed one.  Unpacked states have no entries: the
- * serial kernel goes on from them with a new list.  `rows`: room for 2 n numbers. */
+/* From what the serial path keeps to what the model's, a packed one, does. */
 void rve_packed_table(const struct rve_model *model, const real *table, unsigned char *packed);
 void rve_pack(const struct rve_model *model, const void *serial_state, void *packed_state);
-void rve_unpack(const struct rve_model *model, const void *packed_state, void *serial_state, index16 *rows);
 
 /* What a state of either layout holds. */
 double rve_place(const struct rve_layout *layout, const void *state, int row, int axis); /* cell coordinate */

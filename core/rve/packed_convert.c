@@ -1,8 +1,10 @@
 /* States of the packed kernel, made from those of the serial kernel and back. */
 #include <math.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "rve/model.h"
 
 static const double turn = 4294967296.0; /* coordinates of a cell vector in single precision */
@@ -214,45 +216,107 @@ static int own_pairs(const struct rve_layout *layout, const void *state, int row
 	return own;
 }
 
-void rve_unpack(const struct rve_model *model, const void *packed_state, void *serial_state, index16 *rows)
+/* The rows of the packed state in the serial one's order, those that own most pairs first; and where each has gone. */
+static void sort_rows(const struct rve_model *model, const unsigned char *packed, index16 *rows, index16 *place)
 {
-	const struct rve_layout *s = &model->serial, *p = &model->layout;
-	const unsigned char *packed = packed_state;
-	const index16 *pair_j = (const index16 *)(packed + p->pair_j);
-	unsigned char *serial = serial_state;
-	struct rve_head *head = serial_state;
-	index16 *place = rows + p->n;
-	memset(serial, 0, (size_t)s->bytes);
-	memcpy(head, packed, sizeof *head);
-	/* the rows that own most pairs first */
 	int n = 0;
-	for (int own = s->levels; own >= 0; own--)
-		for (int i = 0; i < p->n; i++)
-			if (own_pairs(p, packed, i) == own) {
+	for (int own = model->serial.levels; own >= 0; own--)
+		for (int i = 0; i < model->layout.n; i++)
+			if (own_pairs(&model->layout, packed, i) == own) {
 				rows[n] = (index16)i;
 				place[i] = (index16)n++;
 			}
-	for (int i = 0; i < p->n; i++)
-		unpack_disc(model, packed, rows[i], serial, i);
-	for (int i = p->n; i < s->stride; i++)
-		((index16 *)(serial + s->id))[i] = (index16)s->n;
+}
+
+/* Pairs, level by level; 0 if there is no room for them. */
+static int unpack_pairs(const struct rve_model *model, const unsigned char *packed, unsigned char *serial,
+						const index16 *rows, const index16 *place)
+{
+	const struct rve_layout *s = &model->serial, *p = &model->layout;
+	const index16 *pair_j = (const index16 *)(packed + p->pair_j);
+	struct rve_head *head = (struct rve_head *)serial;
 	int sum = 0;
-	for (int level = 0;; level++) {
+	for (int level = 0; level <= s->levels; level++) {
 		head->level_first[level] = (index16)sum;
 		int count = 0;
-		while (count < p->n && own_pairs(p, packed, rows[count]) > level) {
-			const int slot = rve_slot(p, packed, rows[count], level);
-			((index16 *)(serial + s->pair_j))[sum + count] = place[pair_j[slot]];
-			unpack_pair(model, packed, slot, serial, sum + count);
+		while (count < p->n && own_pairs(p, packed, rows[count]) > level)
 			count++;
-		}
 		if (count == 0)
-			break;
+			return 1;
 		const int padded = (count + ROW_PAD - 1) / ROW_PAD * ROW_PAD;
-		for (int k = count; k < padded; k++)
-			((index16 *)(serial + s->pair_j))[sum + k] = (index16)s->n;
+		if (level == s->levels || sum + padded > s->pairs)
+			return 0;
+		for (int row = 0; row < padded; row++) {
+			const int slot = row < count ? rve_slot(p, packed, rows[row], level) : -1;
+			((index16 *)(serial + s->pair_j))[sum + row] = slot < 0 ? (index16)s->n : place[pair_j[slot]];
+			if (slot >= 0)
+				unpack_pair(model, packed, slot, serial, sum + row);
+		}
 		head->level_rows[level] = (index16)count;
 		head->levels = level + 1;
 		sum += padded;
 	}
+	return 0;
+}
+
+/* The slots whose j a disc is: entries_write().  `degree`: room for n numbers. */
+static void write_entries(const struct rve_layout *s, unsigned char *serial, index16 *degree)
+{
+	struct rve_head *head = (struct rve_head *)serial;
+	index16 *entry = (index16 *)(serial + s->entry);
+	memset(degree, 0, sizeof *degree * (size_t)s->n);
+	head->entry_levels = 0;
+	for (int k = 0; k < s->levels * s->stride; k++)
+		entry[k] = (index16)s->pairs;
+	for (int level = 0; level < head->levels; level++)
+		for (int i = 0; i < head->level_rows[level]; i++) {
+			const int slot = head->level_first[level] + i, j = ((const index16 *)(serial + s->pair_j))[slot];
+			entry[degree[j]++ * s->stride + j] = (index16)slot;
+			head->entry_levels = degree[j] > head->entry_levels ? degree[j] : head->entry_levels;
+		}
+	for (int level = 0; level < head->entry_levels; level++) {
+		int first = 0;
+		while (degree[first] <= level)
+			first++;
+		head->entry_first[level] = (index16)(first / ROW_PAD * ROW_PAD);
+	}
+}
+
+/* `rows`: room for 2 n numbers.  0 if the serial state has no room for so many neighbours. */
+static int unpack(const struct rve_model *model, const unsigned char *packed, unsigned char *serial, index16 *rows)
+{
+	const struct rve_layout *s = &model->serial;
+	memset(serial, 0, (size_t)s->bytes);
+	memcpy(serial, packed, sizeof(struct rve_head));
+	sort_rows(model, packed, rows, rows + s->n);
+	for (int i = 0; i < s->n; i++)
+		unpack_disc(model, packed, rows[i], serial, i);
+	for (int i = s->n; i < s->stride; i++)
+		((index16 *)(serial + s->id))[i] = (index16)s->n;
+	if (!unpack_pairs(model, packed, serial, rows, rows + s->n))
+		return 0;
+	write_entries(s, serial, rows);
+	return 1;
+}
+
+int rve_convert(const struct rve_model *model, int n, const unsigned char *states, const struct rve_model *to,
+				unsigned char *converted)
+{
+	unsigned char *between = aligned_alloc(64, (size_t)model->serial.bytes);
+	index16 *rows = malloc(2 * sizeof *rows * (size_t)model->serial.n);
+	int status = between && rows ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for converting RVEs");
+	for (int k = 0; k < n && status == STATUS_OK; k++) {
+		const unsigned char *state = states + (size_t)k * (size_t)model->layout.bytes;
+		unsigned char *out = converted + (size_t)k * (size_t)to->layout.bytes;
+		unsigned char *serial = to->packed ? between : out;
+		if (!model->packed)
+			memcpy(serial, state, (size_t)model->serial.bytes);
+		else if (!unpack(model, state, serial, rows))
+			status = error_set(STATUS_INPUT, "RVE %d has more neighbours than the path \"serial\" has room for", k);
+		if (to->packed && status == STATUS_OK)
+			rve_pack(to, serial, out);
+	}
+	free(between);
+	free(rows);
+	return status;
 }

@@ -95,6 +95,21 @@ int rve_devices_check(const char *devices)
 	}
 }
 
+int rve_devices_any(const char *devices)
+{
+	if (strcmp(devices, "auto") != 0)
+		return strcmp(devices, "cpu") != 0;
+	for (int b = 0; rve_backends[b]; b++) {
+		struct rve_device_info found[RVE_DEVICES_MOST];
+		char why[256];
+		int n = rve_backends[b]->list(found, RVE_DEVICES_MOST, why, sizeof why);
+		for (int k = 0; k < n; k++)
+			if (found[k].is_gpu && !found[k].unfit[0])
+				return 1;
+	}
+	return 0;
+}
+
 static int open_member(struct rve_pool *p, const struct rve_backend *backend, int number, int threads)
 {
 	const struct rve_model *model = p->model;
@@ -193,8 +208,8 @@ int rve_pool_create(struct rve_pool **pool, const struct rve_model *model, unsig
 	}
 	if (model->packed && strcmp(devices, "auto") != 0)
 		return error_set(STATUS_INPUT,
-						 "--device %s: devices compute what the path \"serial\" does, the scene asks for \"%s\": leave out "
-						 "rve.path or the device",
+						 "--device %s: devices compute what the path \"serial\" does, these RVEs are of the path \"%s\": leave out "
+						 "rve.path or the device; a restart takes --allow-path-change",
 						 devices, rve_path_name(model->params.path));
 	if (model->packed)
 		return say(note, note_bytes, "cpu (devices have no path \"%s\")", rve_path_name(model->params.path)), STATUS_OK;

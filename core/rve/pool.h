@@ -17,6 +17,10 @@ struct rve_pool;
 /* Is this a list of devices: `auto`, or NAME[:N] and `cpu`, separated by commas?  STATUS_INPUT with a message. */
 int rve_devices_check(const char *devices);
 
+/* Whether there is something to compute on other than this processor: a device that is named, for `auto` a GPU that will
+ * do.  Devices compute what the path "serial" does. */
+int rve_devices_any(const char *devices);
+
 /* For n states at `states`, which stay the caller's.  `devices` as above; *pool = NULL: the processor alone.  `note` says
  * in words what was chosen, and with `auto` also why not something else.  STATUS_RESOURCE if a device that is named
  * cannot be used.  `threads`: of a block, 0 = the device's usual number. */

@@ -52,6 +52,14 @@ const char *rve_path_name(int path)
 	return names[path];
 }
 
+int rve_path_number(const char *name)
+{
+	for (int path = RVE_SERIAL; path <= RVE_SIMD_SINGLE; path++)
+		if (!strcmp(name, rve_path_name(path)))
+			return path;
+	return -1;
+}
+
 double rve_step_factor_limit(const struct rve_params *params)
 {
 	double zeta = params->damping_ratio;
@@ -389,6 +397,7 @@ unsigned char *rve_scratch(const struct rve_model *model, int thread)
 
 size_t rve_state_bytes(const struct rve_model *model) { return (size_t)model->layout.bytes; }
 int rve_discs(const struct rve_model *model) { return model->layout.n; }
+int rve_variants(const struct rve_model *model) { return model->n_variants; }
 const char *rve_path(const struct rve_model *model) { return rve_path_name(model->params.path); }
 double rve_void_ratio(const struct rve_model *model, int variant) { return model->variants[variant].void_ratio; }
 double rve_time_step(const struct rve_model *model) { return model->constants.dt; }

@@ -19,8 +19,9 @@ enum rve_code_path {
 	RVE_SIMD_SINGLE /* the same in single precision */
 };
 
-/* "serial", "simd", "single". */
+/* "serial", "simd", "single"; and back, -1 for another name. */
 const char *rve_path_name(int path);
+int rve_path_number(const char *name);
 
 struct rve_params {
 	int path;               /* enum rve_code_path; packings are made with RVE_SERIAL whatever it is */
@@ -67,6 +68,7 @@ void rve_model_free(struct rve_model *model);
 
 size_t rve_state_bytes(const struct rve_model *model);
 int rve_discs(const struct rve_model *model);
+int rve_variants(const struct rve_model *model); /* packings that it is made of */
 const char *rve_path(const struct rve_model *model); /* rve_path_name() of its own */
 double rve_void_ratio(const struct rve_model *model, int variant); /* of the start packing */
 
@@ -76,6 +78,12 @@ double rve_time_step(const struct rve_model *model);               /* dt_DEM, s 
 
 /* Puts the start state of packing `variant` into `state` (64-byte aligned, rve_state_bytes). */
 int rve_init(const struct rve_model *model, int variant, void *state);
+
+/* The n states at `states` as states of a model that differs from theirs in its path only, at `converted` (64-byte
+ * aligned).  What a path does not keep (single precision) is rounded; to and fro, states of a path keep what they
+ * hold but not their bits.  STATUS_INPUT: an RVE is too crowded for the other path; STATUS_RESOURCE: no memory. */
+int rve_convert(const struct rve_model *model, int n, const unsigned char *states, const struct rve_model *to,
+				unsigned char *converted);
 
 struct rve_batch {
 	int n;

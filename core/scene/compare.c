@@ -6,16 +6,18 @@
 #include <string.h>
 
 static const char *const free_settings[] = {"title", "output", "images", "inspect", "catalyst", "guards"};
+static const char *const free_of_laws[] = {"overlap_max", "path"}; /* the path is asked for when states are read */
 
-/* A guard that stands among a law's settings: in the elements of `list`, or in their groups `inner`. */
-static void compare_drop_overlap(config_setting_t *list, const char *inner)
+/* What is free among a law's settings: in the elements of `list`, or in their groups `inner`. */
+static void compare_drop_of_laws(config_setting_t *list, const char *inner)
 {
 	for (int i = 0; list && i < config_setting_length(list); i++) {
 		config_setting_t *law = config_setting_get_elem(list, (unsigned)i);
 		if (law && inner)
 			law = config_setting_is_group(law) ? config_setting_get_member(law, inner) : NULL;
-		if (law && config_setting_is_group(law) && config_setting_get_member(law, "overlap_max"))
-			config_setting_remove(law, "overlap_max");
+		for (size_t k = 0; law && config_setting_is_group(law) && k < sizeof free_of_laws / sizeof *free_of_laws; k++)
+			if (config_setting_get_member(law, free_of_laws[k]))
+				config_setting_remove(law, free_of_laws[k]);
 	}
 }
 
@@ -25,8 +27,8 @@ static void compare_drop_free(config_t *config)
 	for (size_t i = 0; i < sizeof free_settings / sizeof *free_settings; i++)
 		if (config_setting_get_member(root, free_settings[i]))
 			config_setting_remove(root, free_settings[i]);
-	compare_drop_overlap(config_setting_get_member(root, "laws"), NULL);
-	compare_drop_overlap(config_setting_get_member(root, "materials"), "law");
+	compare_drop_of_laws(config_setting_get_member(root, "laws"), NULL);
+	compare_drop_of_laws(config_setting_get_member(root, "materials"), "law");
 	config_setting_t *time = config_setting_get_member(root, "time");
 	if (time && config_setting_get_member(time, "end"))
 		config_setting_remove(time, "end");

@@ -165,7 +165,7 @@ static const struct scene_key rve_keys[] = {
 	{.name = "bonds", .type = KEY_GROUP, AT(scene_law, rve.bonds), KEYS(bonds_keys),
 	 .doc = "between discs, once a stage has installed them; at contacts that carry force"},
 	{.name = "path", .type = KEY_ENUM, AT(scene_law, rve.path), .value = "\"auto\"", CHOICES("auto", "serial", "simd", "single"),
-	 .doc = "how RVEs are computed: plainly, the reference; in short vectors, 1.7 times as fast; these in single precision, 2.5 times, for packings of 10 kPa or more; auto is serial"},
+	 .doc = "how RVEs are computed: plainly, the reference and what devices do; in short vectors, 1.8 times as fast; these in single precision, 2.5 times, for packings of 10 kPa or more; auto is simd, on devices serial, after a restart what the run began with"},
 	{.name = "economy", .type = KEY_GROUP, AT(scene_law, rve.economy), KEYS(economy_keys),
 	 .doc = "what need not be computed, and how wrong that may be"},
 	{.name = "kn", .type = KEY_FLOAT, AT(scene_law, rve.kn), .unit = "N/m", .value = "1e6", .range = RANGE_POSITIVE,

@@ -17,7 +17,8 @@ POINTS = {"body": (105, 50, 262, 208), "bar": (326, 34, 341, 224)}
 RVE = {"window": (101, 20, 296, 213), "rose": (316, 36, 366, 94), "bar": (318, 122, 334, 216)}
 SAME, CHANGED = 0.93, 0.75  # SSIM: at least of the same picture, at most of the part that a planted change alters
 
-SCENE = COLUMN + """
+# On the serial path, whose bits stay: which grains rattle, and how far, is chaos.
+SCENE = COLUMN.replace('type = "rve";', 'type = "rve"; path = "serial";') + """
 images = ( { name = "points"; field = "pressure"; map = "viridis"; size = [400, 260]; view = [0.3, 0.05, 0.7, 0.35];
              range = [0.0, 12.0]; unit = "kPa"; every = 0.02; } );
 """

@@ -20,6 +20,9 @@ def read(name):
     for i in range(arrays.GetNumberOfArrays()):
         a = arrays.GetArray(i)
         names[a.GetName()] = (a.GetNumberOfComponents(), a.GetNumberOfTuples(), a.GetRange(-1))
+    for field in ('units', 'note'):
+        texts = data.GetFieldData().GetAbstractArray(field)
+        names[field] = [texts.GetValue(i) for i in range(texts.GetNumberOfValues())] if texts else []
     return times, data.GetNumberOfPoints(), data.GetNumberOfCells(), names, data.GetBounds()
 
 for name in sys.argv[1:]:
@@ -52,11 +55,14 @@ with Folder() as f:
         expect(arrays[name][0] == components and arrays[name][1] == 16, "%s: %s" % (name, arrays[name]))
     expect(19.9 < arrays["temperature"][2][0] < 21, "temperatures are not in C: %s" % (arrays["temperature"],))
     expect(0.39 < bounds[0] < bounds[1] < 0.61 and 0.1 < bounds[2], "the column is elsewhere: %s" % (bounds,))
+    for word in ("velocity=m/s", "temperature=C", "stress=Pa"):
+        expect(word in arrays["units"], "units: %s" % arrays["units"])
     times, points, cells, arrays, bounds = seen["domains"]
     expect(points == 64 and cells == 16 and arrays["stress"][:2] == (6, 16), "domains: %d %d %s" % (points, cells, arrays))
     times, points, cells, arrays, bounds = seen["grid"]
     expect(arrays["mass"][1] == points and arrays["mass"][2][1] > 0, "grid: %s" % (arrays,))
     times, points, cells, arrays, bounds = seen["rve_A_discs"]
+    expect(len(arrays["note"]) == 1 and "kPa" in arrays["note"][0], "note of RVE A: %s" % arrays["note"])
     expect(points == 64 and 0.25e-3 <= arrays["radius"][2][0] < arrays["radius"][2][1] <= 0.51e-3, "discs: %s" % (arrays,))
     times, points, cells, arrays, bounds = seen["rve_A_contacts"]
     expect(cells > 30 and points == 2 * cells and arrays["normal_force"][2][1] > 0, "contacts: %d %s" % (cells, arrays))

@@ -14,6 +14,6 @@ with Folder() as f:
         rows = list(csv.reader(stream))
     expect(rows[0][:4] == ["lateral [Pa]", "beta [-]", "seeds [-]", "peak [Pa]"] and len(rows) == 10, str(rows))
     names = files_below(f("out"))
-    expect(sum(name.endswith("kPa_beta_0.02.csv") for name in names) == 3 * 8, str(names))
+    expect(sum(name.endswith("kPa_beta_0.02.csv") for name in names) == 3 * 16, str(names))
     if "bonded.png" in names:
         expect(os.path.getsize(f("out", "bonded.png")) > 20000, "the chart is empty")

@@ -1,3 +1,4 @@
+# labels: slow
 # timeout: 900
 """The quick forced silo discharge, whole: the material runs out under the plate, mass and energy are accounted for."""
 import json

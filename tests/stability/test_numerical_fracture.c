@@ -60,8 +60,8 @@ static double parted(const struct mpm *mpm, const struct shape *shape)
 			bool shared = false;
 			for (int i = 0; i < nodes; i++)
 				for (int j = 0; j < nodes; j++)
-					shared = shared || (lists.node[i] == lists.node[nodes + j] && lists.weight[i] > 0.0 &&
-										lists.weight[nodes + j] > 0.0);
+					shared = shared || (lists.node[i][0] == lists.node[j][1] && lists.weight[i][0] > 0.0 &&
+										lists.weight[j][1] > 0.0);
 			pairs++, apart += !shared;
 		}
 	return (double)apart / pairs;

@@ -160,5 +160,5 @@ int main(void)
 		cmocka_unit_test(test_refused),
 		cmocka_unit_test(test_guard_comes_first),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return CASE_RUN_ON_EACH_PATH(tests);
 }

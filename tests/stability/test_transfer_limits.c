@@ -194,8 +194,8 @@ static double unseen(struct mpm *mpm)
 		mpm_lists(mpm, 1, &p, &lists);
 		for (int a = 0; a < lists.nodes; a++)
 			for (int c = 0; c < 2; c++)
-				if (w->sums[lists.node[a]].mass > 0.0)
-					v[c] += lists.weight[a] * w->sums[lists.node[a]].momentum[c] / w->sums[lists.node[a]].mass;
+				if (w->sums[lists.node[a][0]].mass > 0.0)
+					v[c] += lists.weight[a][0] * w->sums[lists.node[a][0]].momentum[c] / w->sums[lists.node[a][0]].mass;
 		for (int c = 0; c < 2; c++) {
 			hidden += pow(mpm->p.v[p][c] - v[c], 2.0);
 			all += pow(mpm->p.v[p][c], 2.0);

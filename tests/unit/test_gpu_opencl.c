@@ -1,4 +1,5 @@
-/* timeout: 240
+/* labels: slow
+ * timeout: 240
  * The kernel's text as OpenCL computes the bits of the serial kernel, whatever the size of a block: by oclgrind, which
  * interprets it.  Skipped without oclgrind. */
 #include <setjmp.h>

@@ -1,4 +1,5 @@
-/* timeout: 240
+/* labels: slow
+ * timeout: 240
  * The kernel's text as OpenCL computes the bits of the serial kernel, whatever the size of a block: by PoCL, which
  * compiles it for this processor with a compiler of its own.  Skipped without PoCL. */
 #include <setjmp.h>

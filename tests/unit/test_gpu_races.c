@@ -1,4 +1,5 @@
-/* timeout: 240
+/* labels: slow
+ * timeout: 240
  * oclgrind finds nothing to blame in the kernel's text as OpenCL: no race, no access out of bounds, no call that OpenCL
  * forbids, no barrier that only some threads reach; and it does find one of each that is planted.  Skipped without
  * oclgrind. */

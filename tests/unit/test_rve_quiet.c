@@ -194,5 +194,5 @@ int main(void)
 		cmocka_unit_test(test_energy),           cmocka_unit_test(test_turns),
 		cmocka_unit_test(test_error_is_bounded), cmocka_unit_test(test_bonds_melt),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return CASE_RUN_ON_EACH_PATH(tests);
 }

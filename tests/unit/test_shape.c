@@ -61,12 +61,12 @@ static void test_sums(void **state)
 			fill_deformed(shapes[s], x, F, trial % 4, &lists);
 			double w = 0.0, gx = 0.0, gy = 0.0, wx[2] = {0, 0}, gxx = 0.0, gyy = 0.0, gxy = 0.0;
 			for (int a = 0; a < lists.nodes; a++) {
-				w += lists.weight[a], gx += lists.grad_x[a], gy += lists.grad_y[a];
+				w += lists.weight[a][0], gx += lists.grad_x[a][0], gy += lists.grad_y[a][0];
 				for (int c = 0; c < 2; c++)
-					wx[c] += lists.weight[a] * node_x(lists.node[a], c);
-				gxx += lists.grad_x[a] * node_x(lists.node[a], 0), gyy += lists.grad_y[a] * node_x(lists.node[a], 1);
-				gxy += lists.grad_x[a] * node_x(lists.node[a], 1);
-				assert_true(lists.weight[a] >= -1e-16);
+					wx[c] += lists.weight[a][0] * node_x(lists.node[a][0], c);
+				gxx += lists.grad_x[a][0] * node_x(lists.node[a][0], 0), gyy += lists.grad_y[a][0] * node_x(lists.node[a][0], 1);
+				gxy += lists.grad_x[a][0] * node_x(lists.node[a][0], 1);
+				assert_true(lists.weight[a][0] >= -1e-16);
 			}
 			assert_near(w, 1.0, 4e-16 * 4);
 			assert_near(gx, 0.0, 1e-14);
@@ -94,10 +94,10 @@ static void test_gradients(void **state)
 			const double y[2] = {x[0] + eps, x[1]};
 			fill_one(shapes[s], x, trial % 4, &here);
 			fill_one(shapes[s], y, trial % 4, &there);
-			if (here.node[0] != there.node[0])
+			if (here.node[0][0] != there.node[0][0])
 				continue;
 			for (int a = 0; a < here.nodes; a++)
-				assert_near((there.weight[a] - here.weight[a]) / eps, here.grad_x[a], 2e-5);
+				assert_near((there.weight[a][0] - here.weight[a][0]) / eps, here.grad_x[a][0], 2e-5);
 		}
 }
 
@@ -120,12 +120,12 @@ static void test_ugimp_is_an_average(void **state)
 		for (int k = 0; k < steps; k++) {
 			double at = x[0] + 0.25 * side_half[size] * (2.0 * (k + 0.5) / steps - 1.0);
 			for (int a = 0; a < 9; a++) {
-				double d = fabs(at - node_x(lists.node[a], 0)) / 0.25;
+				double d = fabs(at - node_x(lists.node[a][0], 0)) / 0.25;
 				y[a] += d < 1.0 ? (1.0 - d) / steps : 0.0;
 			}
 		}
 		for (int a = 0; a < 3; a++)
-			assert_near(lists.weight[a] + lists.weight[a + 3] + lists.weight[a + 6], y[a], 1e-6);
+			assert_near(lists.weight[a][0] + lists.weight[a + 3][0] + lists.weight[a + 6][0], y[a], 1e-6);
 	}
 }
 
@@ -161,13 +161,13 @@ static void test_cpdi_is_its_corners(void **state)
 			double S[4], det = r1[0] * r2[1] - r1[1] * r2[0];
 			static const double signs[4][2] = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
 			for (int k = 0; k < 4; k++)
-				S[k] = hat(lists.node[a], x[0] + signs[k][0] * r1[0] + signs[k][1] * r2[0],
+				S[k] = hat(lists.node[a][0], x[0] + signs[k][0] * r1[0] + signs[k][1] * r2[0],
 						   x[1] + signs[k][0] * r1[1] + signs[k][1] * r2[1]);
 			double along = 0.5 * (S[1] + S[2] - S[0] - S[3]), across = 0.5 * (S[2] + S[3] - S[0] - S[1]);
-			assert_near(lists.weight[a], 0.25 * (S[0] + S[1] + S[2] + S[3]), 1e-14);
-			assert_near(lists.grad_x[a], (along * r2[1] - across * r1[1]) / det, 1e-11);
-			assert_near(lists.grad_y[a], (across * r1[0] - along * r2[0]) / det, 1e-11);
-			all += lists.weight[a];
+			assert_near(lists.weight[a][0], 0.25 * (S[0] + S[1] + S[2] + S[3]), 1e-14);
+			assert_near(lists.grad_x[a][0], (along * r2[1] - across * r1[1]) / det, 1e-11);
+			assert_near(lists.grad_y[a][0], (across * r1[0] - along * r2[0]) / det, 1e-11);
+			all += lists.weight[a][0];
 		}
 		assert_near(all, 1.0, 1e-14); /* no corner has been missed */
 	}
@@ -191,9 +191,9 @@ static void test_lone(void **state)
 								 b * c * e - a * d * f};
 			fill_deformed(shapes[s], x, F, trial % 4, &lists);
 			for (int k = 0; k < lists.nodes; k++)
-				if (lists.weight[k] > 0.0) {
-					sum[0] += pow(0.25 * lists.grad_x[k], 2.0) / lists.weight[k];
-					sum[1] += pow(0.25 * lists.grad_y[k], 2.0) / lists.weight[k];
+				if (lists.weight[k][0] > 0.0) {
+					sum[0] += pow(0.25 * lists.grad_x[k][0], 2.0) / lists.weight[k][0];
+					sum[1] += pow(0.25 * lists.grad_y[k][0], 2.0) / lists.weight[k][0];
 				}
 			assert_true(sum[0] <= shapes[s]->lone(side_half[trial % 4]) * (1.0 + 1e-12));
 			assert_true(sum[1] <= shapes[s]->lone(side_half[trial % 4]) * (1.0 + 1e-12));

@@ -52,6 +52,15 @@ static double deviation(const struct sample *s)
 
 static int misses;
 
+/* On which path: the programs run their tests on those that scenes use in double precision, one after the other. */
+static int path;
+
+static void defaults(struct rve_params *params)
+{
+	rve_params_default(params);
+	params->path = path;
+}
+
 /* Is the mean within three standard deviations of the reference? */
 static void compare(const char *what, const struct sample *s, double reference, double reference_deviation)
 {
@@ -134,7 +143,7 @@ static void biaxial(struct biaxial *b, const struct biaxial_test *test)
 {
 	static struct curve c;
 	struct rve_params params;
-	rve_params_default(&params);
+	defaults(&params);
 	params.bond_strength = test->bonds;
 	const struct rve_drive how = {
 		.load = RVE_LOAD_BIAXIAL,
@@ -254,7 +263,7 @@ static void evaluate(const struct rve_packing *p, double stress[4], double condu
 	struct rve_params params;
 	struct rve_model *model;
 	double modulus;
-	rve_params_default(&params);
+	defaults(&params);
 	assert_int_equal(rve_model_create(&model, &params, 1, &p), 0);
 	void *state = aligned_alloc(64, (rve_state_bytes(model) + 63) / 64 * 64);
 	assert_int_equal(rve_init(model, 0, state), 0);
@@ -290,7 +299,7 @@ static void simple_shear(void **state)
 	static struct curve c;
 	struct sample ratio;
 	struct rve_params params;
-	rve_params_default(&params);
+	defaults(&params);
 	misses = 0;
 	for (int k = 0; k < SEEDS; k++) {
 		struct rve_packing *p = packing(0.5, 100e3, k + 1);
@@ -314,7 +323,7 @@ static void probe(const struct rve_packing *p, double mu, double strain, double 
 	struct rve_params params;
 	struct rve_model *model;
 	double before[4], after[4], conductivity[3], heat, modulus, dT = 0.0;
-	rve_params_default(&params);
+	defaults(&params);
 	params.mu = mu;
 	params.n_max = 1; /* each call is one sub-step, also at rest */
 	assert_int_equal(rve_model_create(&model, &params, 1, &p), 0);
@@ -375,5 +384,10 @@ int main(void)
 		cmocka_unit_test(biaxial_dense), cmocka_unit_test(biaxial_loose), cmocka_unit_test(biaxial_bonded),
 		cmocka_unit_test(simple_shear),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	int failed = 0;
+	for (path = RVE_SERIAL; path <= RVE_SIMD; path++) {
+		print_message("path %s\n", rve_path_name(path));
+		failed += cmocka_run_group_tests(tests, NULL, NULL);
+	}
+	return failed;
 }

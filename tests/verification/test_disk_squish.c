@@ -1,4 +1,5 @@
-/* timeout: 300
+/* labels: slow
+ * timeout: 300
  *
  * The disc between two blocks (scenarios/dp_mpm/disk_squish_*.cfg), with and without friction that falls with
  * temperature: softening lowers the peak temperature and the heat of friction and lets the disc out sooner (DP-MPM

@@ -303,5 +303,5 @@ int main(void)
 		cmocka_unit_test(test_a_slender_cell_without_stress_is_replaced),
 		cmocka_unit_test(test_sub_steps_follow_the_strain),
 	};
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return CASE_RUN_ON_EACH_PATH(tests);
 }

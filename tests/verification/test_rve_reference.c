@@ -1,2 +1,3 @@
-/* timeout: 300 */
+/* labels: slow
+ * timeout: 300 */
 #include "rve_reference.h"

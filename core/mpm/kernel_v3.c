@@ -1,0 +1,6 @@
+/* The passes of the MPM for x86-64-v3 (called only where that runs). */
+#include "mpm/kernel.h"
+#ifdef MPM_KERNEL_X86
+#define MPM_KERNEL mpm_kernel_v3
+#include "mpm/kernel_text.h"
+#endif
