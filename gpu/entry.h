@@ -20,11 +20,6 @@ ENTRY rve_device_advance(GLOBAL struct rve_task *tasks, int n, GLOBAL const stru
 		GLOBAL unsigned char *state = states + (int64)task->place * layout.bytes;
 		GLOBAL const real *table = tables + (int64)task->head.variant * TABLE_FIELDS * layout.stride;
 		const struct rve_call call = task->call;
-		ONE_THREAD *(GLOBAL struct rve_head *)state = task->head;
-		SYNC();
-		block_advance(&layout, &constants, &call, table, state, &block, mine, &task->status);
-		SYNC();
-		ONE_THREAD task->head = *(GLOBAL const struct rve_head *)state;
-		SYNC();
+		block_advance(&layout, &constants, &call, table, &task->head, state, &block, mine, &task->status);
 	}
 }

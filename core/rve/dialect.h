@@ -4,20 +4,21 @@
  * target by this header.  A target says what the words below mean; the rules that make the same text
  * right, and its bits equal, everywhere:
  *
- *  1. Iterations of FOR_THREADS are independent and in no order.  What one iteration writes, another may
- *     read only after SYNC().
- *  2. No variable of an iteration lives on after it.  Plain locals of a BLOCKFN hold the same value in
- *     every thread.
+ *  1. A kernel is a program of PHASEs (block_advance).  Threads meet at the end of a phase and nowhere else, so that the
+ *     functions of phases (BLOCKFN) know nothing of meeting; the program is plain control flow on values that are the
+ *     same in all threads.  What may be left out is left out within its phase, as far as that can be: PoCL copies all that
+ *     follows a phase that may be left out, and what follows n of them 2^n times.
+ *  2. Iterations of FOR_THREADS are independent and in no order; number i is the same thread's in each of them, and
+ *     ONE_THREAD is always the same.  What one thread writes, another may read only in a later phase.  No variable of
+ *     an iteration lives on after it.
  *  3. Sums over discs or contacts go through LANES fixed virtual lanes (item k belongs to lane k % LANES) and a
  *     fixed tree, so that their order does not depend on how many threads there are.
  *  4. Contact forces go to slots of their own and are gathered by disc through an index: no atomics.
- *  5. Where threads meet (SYNC) on condition, the condition is the same for all and stands in BLOCK_IF; nothing returns
- *     from there.
- *  6. Arithmetic is + - * / sqrt of IEEE, never contracted or re-associated.  exp, sin and the like come
+ *  5. Arithmetic is + - * / sqrt of IEEE, never contracted or re-associated.  exp, sin and the like come
  *     from the host.  Argument structs are plain numbers.
  *
  * Serial C is the reference: a block is a loop.  FOR_THREADS carries `ivdep`, which promises the compiler
- * exactly rule 1, so that it may use SIMD.  OpenCL C (1.2 and later) and CUDA are the devices' languages (gpu/);
+ * exactly rule 2, so that it may use SIMD.  OpenCL C (1.2 and later) and CUDA are the devices' languages (gpu/);
  * RVE_EMULATION is C once more with a POSIX thread for every thread of a block, for a tool that looks for races. */
 #ifndef TMDEMPM_RVE_DIALECT_H
 #define TMDEMPM_RVE_DIALECT_H
@@ -34,18 +35,14 @@ typedef long int64;
 #define RESTRICT restrict
 #define BLOCKFN static inline __attribute__((always_inline))
 #define THREADFN static inline __attribute__((always_inline))
-#define FOR_THREADS(i, n) for (int i = (int)get_local_id(0); i < (n); i += (int)get_local_size(0))
-#define ONE_THREAD if (get_local_id(0) == 0)
+#define THREAD ((int)get_local_id(0))
+#define THREADS ((int)get_local_size(0))
 #define SYNC() barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE)
-/* A loop that ends after one turn, which the compiler cannot know: PoCL writes what follows an `if` with a barrier in it
- * twice, and what follows several of them 2^n times. */
-#define BLOCK_IF(condition) for (int go_ = (condition) ? 1 : 0; go_; go_ = at->layout->bytes < 0)
 #define ENTRY __kernel void
 #define SHARED_STRUCT(type, name) __local type name
 #define BLOCK_NUMBER ((int)get_group_id(0))
 #define BLOCK_COUNT ((int)get_num_groups(0))
 #define SPECIALISED 0
-#define MEASURES 0
 
 #elif defined(__CUDACC__)
 
@@ -56,16 +53,14 @@ typedef long long int64;
 #define RESTRICT __restrict__
 #define BLOCKFN static __device__ __forceinline__
 #define THREADFN static __device__ __forceinline__
-#define FOR_THREADS(i, n) for (int i = (int)threadIdx.x; i < (n); i += (int)blockDim.x)
-#define ONE_THREAD if (threadIdx.x == 0)
+#define THREAD ((int)threadIdx.x)
+#define THREADS ((int)blockDim.x)
 #define SYNC() __syncthreads()
-#define BLOCK_IF(condition) if (condition)
 #define ENTRY extern "C" __global__ void
 #define SHARED_STRUCT(type, name) __shared__ type name
 #define BLOCK_NUMBER ((int)blockIdx.x)
 #define BLOCK_COUNT ((int)gridDim.x)
 #define SPECIALISED 0
-#define MEASURES 0
 
 #else
 
@@ -83,12 +78,13 @@ typedef long long int64;
 extern _Thread_local int emulated_thread;
 extern int emulated_threads;
 void emulated_sync(void);
-#define FOR_THREADS(i, n) for (int i = emulated_thread; i < (n); i += emulated_threads)
-#define ONE_THREAD if (emulated_thread == 0)
+#define THREAD emulated_thread
+#define THREADS emulated_threads
 #define SYNC() emulated_sync()
 #else
 #define DIALECT_PRAGMA_(x) _Pragma(#x)
-#define FOR_THREADS(i, n) DIALECT_PRAGMA_(GCC ivdep) for (int i = 0; i < (n); i++)
+#define FOR_THREADS_FROM(i, first, n) DIALECT_PRAGMA_(GCC ivdep) for (int i = (first); i < (n); i++)
+#define FOR_THREADS(i, n) FOR_THREADS_FROM(i, 0, n)
 #define ONE_THREAD /* the statement that follows is done by one thread */
 #define SYNC() ((void)0)
 #endif
@@ -97,12 +93,23 @@ void emulated_sync(void);
 #define DIALECT_JOIN_(a, b) a##b
 #define DIALECT_JOIN(a, b) DIALECT_JOIN_(a, b)
 #define KERNEL(name) void DIALECT_JOIN(name, RVE_KERNEL_SUFFIX)
-#define BLOCK_IF(condition) if (condition)
 #define SPECIALISED 1 /* inner loops once for each kind of contacts: faster, but long to compile and many registers */
-#define MEASURES 1 /* calls without sub-steps and for a state without lists: not on devices, whose code stays small so */
 #define RVE_HOST /* the entry points of this processor are declared */
 
 #endif
+
+#ifdef THREADS
+#define FOR_THREADS(i, n) for (int i = THREAD; i < (n); i += THREADS)
+#define FOR_THREADS_FROM(i, first, n) \
+	for (int i = (first) + (THREAD + THREADS - (first) % THREADS) % THREADS; i < (n); i += THREADS)
+#define ONE_THREAD if (THREAD == 0)
+#endif
+
+#define PHASE(...)   \
+	do {             \
+		__VA_ARGS__; \
+		SYNC();      \
+	} while (0)
 
 typedef double real;
 typedef float real32;           /* where single precision is enough by far */

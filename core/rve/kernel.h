@@ -55,7 +55,7 @@ enum { RIM_X, RIM_Y, RIM_R, RIM_FIELDS }; /* neighbour search: discs and their i
 struct rve_block {
 	real lanes[LANE_FIELDS][LANES];
 	struct rve_head head;
-	real H_inv[4];
+	real H_inv[4], drift[4];  /* drift: H^-1 dt before the sub-step's motion */
 	real scale, scale_step; /* radius / reference radius, its increase in one sub-step */
 	real bond_temperature;  /* K, absolute */
 	real bond_force;        /* N/m: what a bond bears now / (r_i + r_j) */
@@ -70,6 +70,7 @@ struct rve_place {
 	const struct rve_constants *constants;
 	const struct rve_call *call;
 	GLOBAL const real *table;
+	GLOBAL struct rve_head *head;
 	GLOBAL unsigned char *state;
 	SHARED struct rve_block *block;
 	LOCAL real *row, *pair, *rim;
@@ -98,12 +99,12 @@ struct rve_place {
 #include "rve/kernel_neighbours.h"
 #include "rve/kernel_step.h"
 
-BLOCKFN void state_load(const struct rve_place *at)
+BLOCKFN void head_load(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	ONE_THREAD
 	{
-		block->head = *(GLOBAL const struct rve_head *)at->state;
+		block->head = *at->head;
 		block->status = KERNEL_OK;
 		block->scale = 1.0 + at->constants->expansion * block->head.temperature;
 		block->scale_step = at->constants->expansion * at->call->heating;
@@ -111,7 +112,11 @@ BLOCKFN void state_load(const struct rve_place *at)
 		bonds_soften(at);
 		cell_invert(block->head.H, block->H_inv);
 	}
-	SYNC();
+}
+
+BLOCKFN void state_load(const struct rve_place *at)
+{
+	SHARED struct rve_block *block = at->block;
 	for (int f = 0; f < DISC_STATE_FIELDS; f++)
 		FOR_THREADS(i, at->layout->stride) WORK_ROW(f)[i] = STATE_DISC(f)[i];
 	FOR_THREADS(i, at->layout->stride)
@@ -128,12 +133,11 @@ BLOCKFN void state_load(const struct rve_place *at)
 	bonds_load(at);
 	for (int level = 0; level < block->head.entry_levels; level++) {
 		const int first = block->head.entry_first[level];
-		FOR_THREADS(i, at->layout->n - first) WORK_ENTRY(level)[first + i] = STATE_ENTRY(level)[first + i];
+		FOR_THREADS_FROM(i, first, at->layout->n) WORK_ENTRY(level)[i] = STATE_ENTRY(level)[i];
 	}
 	for (int q = 0; q < LANE_FIELDS; q++)
 		FOR_THREADS(lane, LANES) block->lanes[q][lane] = 0.0;
 	slots_clear(at);
-	SYNC();
 	rows_load(at);
 }
 
@@ -145,19 +149,20 @@ BLOCKFN void state_store(const struct rve_place *at)
 	const int slots = at->block->head.level_first[at->block->head.levels];
 	FOR_THREADS(p, slots) STATE_FT[p] = WORK_PAIR(WORK_FT)[p];
 	bonds_store(at);
-	ONE_THREAD *(GLOBAL struct rve_head *)at->state = at->block->head;
-	SYNC();
+	ONE_THREAD *at->head = at->block->head;
 }
+
+#define FINE (block->status == KERNEL_OK)
 
 /* One RVE, call->sub_steps sub-steps.  `scratch` is layout->scratch bytes less those of a block, 64-byte aligned. */
 BLOCKFN void block_advance(const struct rve_layout *layout, const struct rve_constants *constants,
-						   const struct rve_call *call, GLOBAL const real *table, GLOBAL unsigned char *state,
-						   SHARED struct rve_block *shared, LOCAL unsigned char *scratch, GLOBAL int *status)
+						   const struct rve_call *call, GLOBAL const real *table, GLOBAL struct rve_head *head,
+						   GLOBAL unsigned char *state, SHARED struct rve_block *shared, LOCAL unsigned char *scratch, GLOBAL int *status)
 {
 	struct rve_place place;
 	const struct rve_place *at = &place;
 	place.layout = layout, place.constants = constants, place.call = call;
-	place.table = table, place.state = state, place.block = shared;
+	place.table = table, place.head = head, place.state = state, place.block = shared;
 	place.row = (LOCAL real *)scratch;
 	place.pair = place.row + WORK_ROW_FIELDS * layout->stride;
 	place.rim = place.pair + WORK_PAIR_FIELDS * layout->pair_stride;
@@ -172,28 +177,38 @@ BLOCKFN void block_advance(const struct rve_layout *layout, const struct rve_con
 	place.neighbours = (LOCAL index16 *)(place.key_start + (layout->levels + 1) * (layout->levels + 1) + 1);
 	SHARED struct rve_block *block = place.block;
 
-	state_load(at);
+	PHASE(head_load(at));
+	PHASE(state_load(at));
 	const int bonded = block->head.bonds_intact > 0; /* those that have all lost theirs are as if they had had none */
-	BLOCK_IF(MEASURES && call->rebuild) { neighbours_build(at); }
-	for (int k = 0; k < call->sub_steps && block->status == KERNEL_OK; k++) {
-		move(at);
-		BLOCK_IF(!neighbours_valid(at))
-		{
-			BLOCK_IF(bonded) { bonds_tear(at); }
-			neighbours_build(at);
+	/* turn -1: the state as it is gets its first list, or is only measured */
+	for (int k = call->rebuild || call->sub_steps == 0 ? -1 : 0; k < call->sub_steps && FINE; k++) {
+		const int moves = k >= 0;
+		PHASE(if (moves) cell_move(at));
+		PHASE(if (moves) discs_move(at));
+		PHASE(if (moves) displacements_fold(at));
+		if (moves ? !neighbours_valid(at) : call->rebuild) {
+			PHASE(if (bonded && moves) bonds_tear(at));
+			PHASE(history_keep(at), discs_rebase(at));
+			PHASE(cell_rebase(at));
+			PHASE(discs_bin(at));
+			PHASE(if (FINE) discs_sort(at));
+			PHASE(if (FINE) rim_fill(at));
+			PHASE(if (FINE) neighbours_find(at));
+			PHASE(rows_sort(at));
+			PHASE(if (FINE) rows_leave(at));
+			PHASE(if (FINE) rows_enter(at));
+			PHASE(if (FINE) pairs_write(at));
+			PHASE(if (FINE) entries_collect(at));
+			PHASE(if (FINE) entries_write(at), slots_clear(at));
 		}
-		BLOCK_IF(block->status == KERNEL_OK)
-		{
-			contacts(at, k + 1 == call->sub_steps, bonded);
-			kick(at);
-		}
+		const int forces = moves || call->sub_steps == 0;
+		PHASE(if (forces && FINE) contacts(at, k + 1 == call->sub_steps, bonded));
+		PHASE(if (forces && FINE) gather(at), kick(at, moves));
 	}
-	BLOCK_IF(MEASURES && block->status == KERNEL_OK && call->sub_steps == 0) { contacts(at, 1, bonded); }
-	BLOCK_IF(block->status == KERNEL_OK)
-	{
-		homogenise(at);
-		state_store(at);
-	}
+	PHASE(if (FINE) discs_measure(at));
+	for (int width = LANES / 2; width > 0; width /= 2)
+		PHASE(lanes_halve(at, width));
+	PHASE(if (FINE) homogenise(at), state_store(at));
 	ONE_THREAD *status = block->status;
 }
 
@@ -204,7 +219,8 @@ KERNEL(rve_kernel)
  GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
 {
 	struct rve_block *block = (struct rve_block *)(void *)scratch;
-	block_advance(layout, constants, call, table, state, block, scratch + sizeof *block, status);
+	block_advance(layout, constants, call, table, (GLOBAL struct rve_head *)(void *)state, state, block,
+				  scratch + sizeof *block, status);
 }
 
 /* Bytes of scratch memory that the kernel needs. */

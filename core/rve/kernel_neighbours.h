@@ -6,24 +6,36 @@
  * sigma_min above 1 counts as 1, and radii that shrink by cooling count as if they did not.  The nearest image of
  * a pair in reach is unique while the cell is at least 2 (2 r_max + skin) wide. */
 
+enum { FOLDED = 16 }; /* lanes */
+
+/* The two largest ways of all lanes, in the first FOLDED. */
+BLOCKFN void displacements_fold(const struct rve_place *at)
+{
+	SHARED real *most = at->block->lanes[LANE_DISPLACEMENT], *second = at->block->lanes[LANE_SECOND];
+	for (int from = FOLDED; from < LANES; from += FOLDED)
+		FOR_THREADS(lane, FOLDED)
+		{
+			real a = most[lane], b = most[lane + from];
+			most[lane] = real_max(a, b);
+			second[lane] = real_max(real_min(a, b), real_max(second[lane], second[lane + from]));
+		}
+}
+
+/* Is the list still right?  The same for all threads. */
 BLOCKFN int neighbours_valid(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	SHARED real *most = block->lanes[LANE_DISPLACEMENT], *second = block->lanes[LANE_SECOND];
-	for (int width = LANES / 2; width > 0; width /= 2) {
-		FOR_THREADS(lane, width)
-		{
-			real a = most[lane], b = most[lane + width];
-			most[lane] = real_max(a, b);
-			second[lane] = real_max(real_min(a, b), real_max(second[lane], second[lane + width]));
-		}
-		SYNC();
+	SHARED const real *most = block->lanes[LANE_DISPLACEMENT], *second = block->lanes[LANE_SECOND];
+	real first = most[0], next = second[0];
+	for (int lane = 1; lane < FOLDED; lane++) {
+		next = real_max(real_min(first, most[lane]), real_max(next, second[lane]));
+		first = real_max(first, most[lane]);
 	}
-	return list_valid(&block->head, at->constants, block->scale, real_sqrt(most[0]), real_sqrt(second[0]));
+	return list_valid(&block->head, at->constants, block->scale, real_sqrt(first), real_sqrt(next));
 }
 
-/* Ends the stretch of motion since the last build: its displacement is booked, the cell reduced. */
-BLOCKFN void neighbours_rebase(const struct rve_place *at)
+/* Ends the discs' stretch of motion since the last build: its displacement is booked, places are in the reduced cell. */
+BLOCKFN void discs_rebase(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
@@ -33,7 +45,6 @@ BLOCKFN void neighbours_rebase(const struct rve_place *at)
 	const real moved = at->call->rebuild ? 0.0 : 1.0;
 	real T[4], H[4] = {hxx, hxy, hyx, hyy};
 	cell_reduce(H, T);
-	SYNC();
 	FOR_THREADS(i, at->layout->n)
 	{
 		real qx = (sx[i] - (real)ref_x[i]) * moved, qy = (sy[i] - (real)ref_y[i]) * moved;
@@ -44,41 +55,58 @@ BLOCKFN void neighbours_rebase(const struct rve_place *at)
 		sx[i] = x < 0.0 ? x + 1.0 : x;
 		sy[i] = y < 0.0 ? y + 1.0 : y;
 	}
+}
+
+/* The cell itself, when all discs have seen what it was. */
+BLOCKFN void cell_rebase(const struct rve_place *at)
+{
+	SHARED struct rve_block *block = at->block;
 	ONE_THREAD
 	{
+		real T[4], H[4] = {block->head.H[0], block->head.H[1], block->head.H[2], block->head.H[3]};
+		cell_reduce(H, T);
 		for (int k = 0; k < 4; k++)
 			block->head.H[k] = block->head.H_ref[k] = H[k];
 		cell_invert(block->head.H, block->H_inv);
 		block->head.scale_ref = block->scale;
 		block->head.rebuilds++;
 	}
-	SYNC();
 }
+
 
 THREADFN int clamp_cell(real x, int least, int most)
 {
 	return (int)real_min(real_max(x, (real)least), (real)most); /* also where x is not a number */
 }
 
-/* Discs sorted into the cells of a grid, each at least one reach wide, by counting; then once more with a rim of
- * images all around and their places in metres, so that a disc's neighbours stand in three rows of cells side by
- * side. */
-BLOCKFN void neighbours_sort(const struct rve_place *at)
+/* The cell of a grid that each disc is in, each at least one reach wide.  Sets block->status if the cell of the discs has
+ * become too slender for a list. */
+BLOCKFN void discs_bin(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	LOCAL const real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY), *radius = WORK_ROW(WORK_R);
-	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID);
-	LOCAL int *cell = WORK_ROW_INDEX(WORK_CELL), *sorted = WORK_ROW_INDEX(WORK_SORTED);
-	LOCAL int *start = at->cell_start, *rim_start = at->rim_start;
-	LOCAL real *rim_x = at->rim, *rim_y = rim_x + 4 * at->layout->stride, *rim_r = rim_y + 4 * at->layout->stride;
-	const real reach = 2.0 * at->constants->r_max * block->scale + at->constants->skin, scale = block->scale;
+	LOCAL const real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY);
+	LOCAL int *cell = WORK_ROW_INDEX(WORK_CELL);
+	const real reach = 2.0 * at->constants->r_max * block->scale + at->constants->skin;
 	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
 	const real area = hxx * hyy - hxy * hyx;
 	const int nx = clamp_cell(area / real_sqrt(hxy * hxy + hyy * hyy) / reach, 2, at->layout->grid);
 	const int ny = clamp_cell(area / real_sqrt(hxx * hxx + hyx * hyx) / reach, 2, at->layout->grid);
-	const int columns = nx + 2, rows = ny + 2;
 	FOR_THREADS(i, at->layout->n) cell[i] = clamp_cell(sy[i] * ny, 0, ny - 1) * nx + clamp_cell(sx[i] * nx, 0, nx - 1);
-	SYNC();
+	ONE_THREAD
+	{
+		block->grid[0] = nx;
+		block->grid[1] = ny;
+		if (!(cell_least_width(block->head.H) >= 2.0 * reach))
+			block->status = KERNEL_SLENDER;
+	}
+}
+
+/* Discs sorted into those cells by counting; where the images of a rim all around will stand. */
+BLOCKFN void discs_sort(const struct rve_place *at)
+{
+	LOCAL const int *cell = WORK_ROW_INDEX(WORK_CELL);
+	LOCAL int *sorted = WORK_ROW_INDEX(WORK_SORTED), *start = at->cell_start, *rim_start = at->rim_start;
+	const int nx = at->block->grid[0], ny = at->block->grid[1], columns = nx + 2, rows = ny + 2;
 	ONE_THREAD
 	{
 		for (int c = 0; c <= nx * ny; c++)
@@ -100,10 +128,21 @@ BLOCKFN void neighbours_sort(const struct rve_place *at)
 				rim_start[c + 1] = rim_start[c] + start[k + 1] - start[k];
 			}
 		}
-		block->grid[0] = nx;
-		block->grid[1] = ny;
 	}
-	SYNC();
+}
+
+/* Discs once more, with that rim and their places in metres, so that a disc's neighbours stand in three rows of cells
+ * side by side. */
+BLOCKFN void rim_fill(const struct rve_place *at)
+{
+	SHARED const struct rve_block *block = at->block;
+	LOCAL const real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY), *radius = WORK_ROW(WORK_R);
+	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *sorted = WORK_ROW_INDEX(WORK_SORTED);
+	LOCAL const int *start = at->cell_start, *rim_start = at->rim_start;
+	LOCAL real *rim_x = at->rim, *rim_y = rim_x + 4 * at->layout->stride, *rim_r = rim_y + 4 * at->layout->stride;
+	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
+	const real scale = block->scale;
+	const int nx = block->grid[0], ny = block->grid[1], columns = nx + 2, rows = ny + 2;
 	FOR_THREADS(c, columns * rows)
 	{
 		int x = c % columns - 1, y = c / columns - 1;
@@ -118,13 +157,12 @@ BLOCKFN void neighbours_sort(const struct rve_place *at)
 			rim_r[k] = radius[i] * scale;
 		}
 	}
-	SYNC();
 }
 
 /* The neighbours of the disc in a row: a list of those whose pairs it owns, and how many others there are.  Of two
  * discs of even and odd index the lower one owns the pair, else the higher one: half of each disc's pairs, and always
  * the same.  More than the capacity are not all in the list. */
-THREADFN void neighbours_find(const struct rve_place *at, int row)
+THREADFN void neighbours_of(const struct rve_place *at, int row)
 {
 	const int columns = at->block->grid[0] + 2, nx = at->block->grid[0], capacity = at->layout->levels;
 	const int id = WORK_ROW_INDEX(WORK_ID)[row];
@@ -150,6 +188,8 @@ THREADFN void neighbours_find(const struct rve_place *at, int row)
 	WORK_ID_INDEX(ID_OWNED)[id] = owned;
 	WORK_ID_INDEX(ID_OTHERS)[id] = near - 1 - owned; /* it is near itself */
 }
+
+BLOCKFN void neighbours_find(const struct rve_place *at) { FOR_THREADS(i, at->layout->n) neighbours_of(at, i); }
 
 /* What the pairs of the old list remember, out of the way of the new one. */
 BLOCKFN void history_keep(const struct rve_place *at)
@@ -177,11 +217,11 @@ BLOCKFN void history_keep(const struct rve_place *at)
 			block->level_first_old[level] = block->head.level_first[level];
 		}
 	}
-	SYNC();
 }
 
 /* New rows: by how many pairs a disc owns, the most first, then by how many others it has, the fewest first (who owns
- * many has few others, so that the levels of entries have few holes).  Sizes of the levels. */
+ * many has few others, so that the levels of entries have few holes).  Sizes of the levels.  Sets block->status if the
+ * cell has become too crowded; does nothing if it has one already. */
 BLOCKFN void rows_sort(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
@@ -190,6 +230,8 @@ BLOCKFN void rows_sort(const struct rve_place *at)
 	const int n = at->layout->n, capacity = at->layout->levels, keys = (capacity + 1) * (capacity + 1);
 	ONE_THREAD
 	{
+		if (block->status != KERNEL_OK)
+			return;
 		int most = 0;
 		for (int k = 0; k <= keys; k++)
 			start[k] = 0;
@@ -224,7 +266,6 @@ BLOCKFN void rows_sort(const struct rve_place *at)
 		block->head.levels = levels;
 		block->head.level_first[levels] = (index16)first;
 	}
-	SYNC();
 }
 
 /* The constants of the discs, in rows. */
@@ -238,28 +279,41 @@ BLOCKFN void rows_load(const struct rve_place *at)
 		WORK_ROW(WORK_DT_MASS)[i] = TABLE(TABLE_DT_MASS)[id[i]];
 		WORK_ROW(WORK_DT_INERTIA)[i] = TABLE(TABLE_DT_INERTIA)[id[i]];
 	}
-	SYNC();
 }
 
-/* Discs move to their new rows. */
-BLOCKFN void rows_move(const struct rve_place *at)
+/* What discs take along to their new rows, where the images of the neighbour search were. */
+#define MOVED(f) (at->rim + (f)*at->layout->stride)
+#define MOVED32(f) MOVED(WORK_ROTATION + 1 + (f)-DISC32_UX)
+typedef char moved_fit[WORK_ROTATION + 1 + DISC32_ROTATION - DISC32_UX < RIM_FIELDS * 4 ? 1 : -1];
+
+BLOCKFN void rows_leave(const struct rve_place *at)
 {
 	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *old_row = WORK_ID_INDEX(ID_ROW_OLD);
-	LOCAL real *moved = WORK_ROW(WORK_FX);
+	for (int f = WORK_SX; f <= WORK_ROTATION; f++) {
+		LOCAL const real *field = WORK_ROW(f);
+		LOCAL real *moved = MOVED(f);
+		FOR_THREADS(i, at->layout->n) moved[i] = field[old_row[id[i]]];
+	}
+	for (int f = DISC32_UX; f <= DISC32_ROTATION; f++) {
+		GLOBAL const real32 *field = STATE_DISC32(f);
+		LOCAL real *moved = MOVED32(f);
+		FOR_THREADS(i, at->layout->n) moved[i] = (real)field[old_row[id[i]]];
+	}
+}
+
+BLOCKFN void rows_enter(const struct rve_place *at)
+{
+	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID);
 	const int n = at->layout->n;
 	for (int f = WORK_SX; f <= WORK_ROTATION; f++) {
 		LOCAL real *field = WORK_ROW(f);
-		FOR_THREADS(i, n) moved[i] = field[old_row[id[i]]];
-		SYNC();
+		LOCAL const real *moved = MOVED(f);
 		FOR_THREADS(i, n) field[i] = moved[i];
-		SYNC();
 	}
 	for (int f = DISC32_UX; f <= DISC32_ROTATION; f++) {
 		GLOBAL real32 *field = STATE_DISC32(f);
-		FOR_THREADS(i, n) moved[i] = (real)field[old_row[id[i]]];
-		SYNC();
+		LOCAL const real *moved = MOVED32(f);
 		FOR_THREADS(i, n) field[i] = (real32)moved[i];
-		SYNC();
 	}
 	FOR_THREADS(i, n)
 	{
@@ -271,7 +325,7 @@ BLOCKFN void rows_move(const struct rve_place *at)
 }
 
 /* The pairs of one level with what they remember, and its pairs to the ghost. */
-BLOCKFN void pairs_write(const struct rve_place *at, int level)
+BLOCKFN void pairs_of_level(const struct rve_place *at, int level)
 {
 	SHARED const struct rve_block *block = at->block;
 	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *new_row = WORK_ID_INDEX(ID_ROW),
@@ -282,6 +336,8 @@ BLOCKFN void pairs_write(const struct rve_place *at, int level)
 	const int padded = block->head.level_first[level + 1] - first;
 	const real factor = at->constants->damping;
 	const int bonded = block->head.bonds_installed > 0;
+	GLOBAL real32 *damping = STATE_DAMPING + first;
+	LOCAL int *pair_j = WORK_PAIR_INDEX(WORK_J) + first;
 	FOR_THREADS(i, padded)
 	{
 		const int p = first + i, owner = i < rows ? id[i] : 0;
@@ -290,33 +346,34 @@ BLOCKFN void pairs_write(const struct rve_place *at, int level)
 		int known = -1;
 		for (int k = 0; k < block->levels_old && was < block->level_rows_old[k]; k++)
 			known = old_j[block->level_first_old[k] + was] == j ? block->level_first_old[k] + was : known;
-		WORK_PAIR_INDEX(WORK_J)[p] = row;
+		pair_j[i] = row;
 		STATE_J[p] = (index16)row;
 		WORK_PAIR(WORK_FT)[p] = known >= 0 ? WORK_PAIR(WORK_PX)[known] : 0.0;
 		STATE_FD[p] = known >= 0 ? (real32)WORK_PAIR(WORK_PY)[known] : 0.0f;
 		if (bonded)
 			WORK_PAIR(WORK_BOND)[p] = known >= 0 ? WORK_PAIR(WORK_TJ)[known] : BOND_NONE;
 	}
-	SYNC();
-	LOCAL const int *pair_j = WORK_PAIR_INDEX(WORK_J) + first;
-	GLOBAL real32 *damping = STATE_DAMPING + first;
 	FOR_THREADS(i, padded)
 	{
 		real a = mass[i], b = mass[pair_j[i]];
 		damping[i] = (real32)(factor * real_sqrt(a * b / (a + b)));
 	}
-	SYNC();
+}
+
+BLOCKFN void pairs_write(const struct rve_place *at)
+{
+	for (int level = 0; level < at->block->head.levels; level++)
+		pairs_of_level(at, level);
+	FOR_THREADS(i, at->layout->n) WORK_ROW_INDEX(WORK_DEGREE)[i] = 0;
 }
 
 /* Which slots each disc gathers as a pair's j.  A short walk, done by one thread. */
-BLOCKFN void entries_write(const struct rve_place *at)
+BLOCKFN void entries_collect(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	LOCAL int *degree = WORK_ROW_INDEX(WORK_DEGREE), *entry = WORK_ENTRY(0);
 	LOCAL const int *pair_j = WORK_PAIR_INDEX(WORK_J);
 	const int n = at->layout->n, stride = at->layout->stride;
-	FOR_THREADS(i, n) degree[i] = 0;
-	SYNC();
 	ONE_THREAD
 	{
 		for (int level = 0; level < block->head.levels; level++)
@@ -335,17 +392,22 @@ BLOCKFN void entries_write(const struct rve_place *at)
 			block->head.entry_first[level] = (index16)(first / ROW_PAD * ROW_PAD);
 		}
 	}
-	SYNC();
-	for (int level = 0; level < block->head.entry_levels; level++) {
-		const int first = block->head.entry_first[level];
-		FOR_THREADS(k, n - first)
+}
+
+/* Those that have fewer than others gather the slot without a force. */
+BLOCKFN void entries_write(const struct rve_place *at)
+{
+	LOCAL const int *degree = WORK_ROW_INDEX(WORK_DEGREE);
+	for (int level = 0; level < at->block->head.entry_levels; level++) {
+		const int first = at->block->head.entry_first[level];
+		LOCAL int *entry = WORK_ENTRY(level);
+		FOR_THREADS_FROM(i, first, at->layout->n)
 		{
-			const int i = first + k, e = degree[i] > level ? entry[level * stride + i] : at->layout->pairs;
-			entry[level * stride + i] = e;
+			const int e = degree[i] > level ? entry[i] : at->layout->pairs;
+			entry[i] = e;
 			STATE_ENTRY(level)[i] = (index16)e;
 		}
 	}
-	SYNC();
 }
 
 /* The slot that holds no force, for discs with fewer entries than others. */
@@ -356,37 +418,5 @@ BLOCKFN void slots_clear(const struct rve_place *at)
 		WORK_PAIR(WORK_PX)[at->layout->pairs] = 0.0;
 		WORK_PAIR(WORK_PY)[at->layout->pairs] = 0.0;
 		WORK_PAIR(WORK_TJ)[at->layout->pairs] = 0.0;
-	}
-	SYNC();
-}
-
-/* A new list for the configuration as it is.  Sets block->status if the cell has become too slender or
- * crowded for one. */
-BLOCKFN void neighbours_build(const struct rve_place *at)
-{
-	SHARED struct rve_block *block = at->block;
-	history_keep(at);
-	neighbours_rebase(at);
-	real reach = 2.0 * at->constants->r_max * block->scale + at->constants->skin;
-	const int wide = cell_least_width(block->head.H) >= 2.0 * reach;
-	BLOCK_IF(!wide)
-	{
-		ONE_THREAD block->status = KERNEL_SLENDER;
-		SYNC();
-	}
-	BLOCK_IF(wide)
-	{
-		neighbours_sort(at);
-		FOR_THREADS(i, at->layout->n) neighbours_find(at, i);
-		SYNC();
-		rows_sort(at);
-	}
-	BLOCK_IF(block->status == KERNEL_OK)
-	{
-		rows_move(at);
-		for (int level = 0; level < block->head.levels; level++)
-			pairs_write(at, level);
-		entries_write(at);
-		slots_clear(at);
 	}
 }

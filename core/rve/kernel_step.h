@@ -1,16 +1,14 @@
 /* One sub-step: move, contact forces, gather, kick; and the homogenisation.  Included by kernel.h only. */
 
-/* The cell and, in it, the discs; velocities turn and thin out with the cell; radii grow. */
-BLOCKFN void move(const struct rve_place *at)
+/* The cell; radii grow. */
+BLOCKFN void cell_move(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	const struct rve_call *call = at->call;
-	const real dt = at->constants->dt;
-	const real gxx = block->H_inv[0] * dt, gxy = block->H_inv[1] * dt;
-	const real gyx = block->H_inv[2] * dt, gyy = block->H_inv[3] * dt;
-	SYNC();
 	ONE_THREAD
 	{
+		for (int k = 0; k < 4; k++)
+			block->drift[k] = block->H_inv[k] * at->constants->dt;
 		cell_step(call->A, block->head.H);
 		cell_invert(block->head.H, block->H_inv);
 		block->head.temperature += call->heating;
@@ -19,7 +17,14 @@ BLOCKFN void move(const struct rve_place *at)
 		bonds_soften(at);
 	}
 	FOR_THREADS(lane, LANES) { block->lanes[LANE_DISPLACEMENT][lane] = 0.0, block->lanes[LANE_SECOND][lane] = 0.0; }
-	SYNC();
+}
+
+/* The discs in the cell; velocities turn and thin out with it. */
+BLOCKFN void discs_move(const struct rve_place *at)
+{
+	SHARED struct rve_block *block = at->block;
+	const struct rve_call *call = at->call;
+	const real gxx = block->drift[0], gxy = block->drift[1], gyx = block->drift[2], gyy = block->drift[3];
 	LOCAL real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY);
 	LOCAL real *vx = WORK_ROW(WORK_VX), *vy = WORK_ROW(WORK_VY);
 	LOCAL const real *mass = WORK_ROW(WORK_MASS);
@@ -48,7 +53,6 @@ BLOCKFN void move(const struct rve_place *at)
 			most[lane] = real_max(uu, most[lane]);
 		}
 	}
-	SYNC();
 }
 
 /* What contacts_of_level() does about bonds. */
@@ -181,31 +185,19 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 			}
 		}
 	}
-	SYNC();
 }
 
-/* Forces and torques of all discs. */
+/* Forces and torques of all discs as the i of their pairs.  Levels need not wait for each other: a disc is always the
+ * same lane's. */
 BLOCKFN void contacts_of_kind(const struct rve_place *at, const int last, const int bonds)
 {
-	SHARED const struct rve_head *head = &at->block->head;
 	LOCAL real *fx = WORK_ROW(WORK_FX), *fy = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
-	FOR_THREADS(i, at->layout->stride) { fx[i] = 0.0, fy[i] = 0.0, torque[i] = 0.0; }
-	SYNC();
-	for (int level = 0; level < head->levels; level++)
-		contacts_of_level(at, level, last, bonds);
-	LOCAL const real *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY), *slot_t = WORK_PAIR(WORK_TJ);
-	for (int level = 0; level < head->entry_levels; level++) {
-		const int first = head->entry_first[level];
-		LOCAL const int *entry = WORK_ENTRY(level) + first;
-		LOCAL real *x = fx + first, *y = fy + first, *t = torque + first;
-		FOR_THREADS(i, at->layout->n - first)
-		{
-			x[i] += slot_x[entry[i]];
-			y[i] += slot_y[entry[i]];
-			t[i] -= slot_t[entry[i]];
-		}
-		SYNC();
+	for (int base = 0; base < at->layout->stride; base += LANES) {
+		const int count = at->layout->stride - base < LANES ? at->layout->stride - base : LANES;
+		FOR_THREADS(lane, count) { fx[base + lane] = 0.0, fy[base + lane] = 0.0, torque[base + lane] = 0.0; }
 	}
+	for (int level = 0; level < at->block->head.levels; level++)
+		contacts_of_level(at, level, last, bonds);
 }
 
 /* The same, compiled once for each kind where that pays. */
@@ -230,13 +222,33 @@ BLOCKFN void bonds_tear(const struct rve_place *at)
 		contacts_of_level(at, level, 0, BONDS_TEAR);
 }
 
-BLOCKFN void kick(const struct rve_place *at)
+/* And as the j of their pairs, once all are there. */
+BLOCKFN void gather(const struct rve_place *at)
+{
+	SHARED const struct rve_head *head = &at->block->head;
+	LOCAL real *fx = WORK_ROW(WORK_FX), *fy = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
+	LOCAL const real *slot_x = WORK_PAIR(WORK_PX), *slot_y = WORK_PAIR(WORK_PY), *slot_t = WORK_PAIR(WORK_TJ);
+	for (int level = 0; level < head->entry_levels; level++) {
+		const int first = head->entry_first[level];
+		LOCAL const int *entry = WORK_ENTRY(level);
+		FOR_THREADS_FROM(i, first, at->layout->n)
+		{
+			fx[i] += slot_x[entry[i]];
+			fy[i] += slot_y[entry[i]];
+			torque[i] -= slot_t[entry[i]];
+		}
+	}
+}
+
+BLOCKFN void kick(const struct rve_place *at, const int moves)
 {
 	const real dt = at->constants->dt;
 	LOCAL real *vx = WORK_ROW(WORK_VX), *vy = WORK_ROW(WORK_VY), *w = WORK_ROW(WORK_W);
 	LOCAL real *rotation = WORK_ROW(WORK_ROTATION);
 	LOCAL const real *fx = WORK_ROW(WORK_FX), *fy = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
 	LOCAL const real *dt_mass = WORK_ROW(WORK_DT_MASS), *dt_inertia = WORK_ROW(WORK_DT_INERTIA);
+	if (!moves)
+		return;
 	FOR_THREADS(i, at->layout->n)
 	{
 		vx[i] += fx[i] * dt_mass[i];
@@ -244,7 +256,6 @@ BLOCKFN void kick(const struct rve_place *at)
 		w[i] += torque[i] * dt_inertia[i];
 		rotation[i] += w[i] * dt;
 	}
-	SYNC();
 }
 
 /* Sums over discs of the last configuration.  Kinetic energy is centred on the time of the positions. */
@@ -271,28 +282,23 @@ BLOCKFN void discs_measure(const struct rve_place *at)
 			sum[LANE_UNBALANCED][lane] += real_sqrt(fx[i] * fx[i] + fy[i] * fy[i]);
 		}
 	}
-	SYNC();
 }
 
-/* Adds up the lanes: field q ends in lanes[q][0]. */
-BLOCKFN void lanes_sum(SHARED struct rve_block *block)
+/* One turn of adding up the lanes: after width = LANES / 2, LANES / 4 .. 1 field q is in lanes[q][0]. */
+BLOCKFN void lanes_halve(const struct rve_place *at, const int width)
 {
-	for (int width = LANES / 2; width > 0; width /= 2) {
-		for (int q = 0; q < LANE_SUMS; q++)
-			FOR_THREADS(lane, width) block->lanes[q][lane] += block->lanes[q][lane + width];
-		FOR_THREADS(lane, width)
-		block->lanes[LANE_OVERLAP][lane] =
-			real_max(block->lanes[LANE_OVERLAP][lane + width], block->lanes[LANE_OVERLAP][lane]);
-		SYNC();
-	}
+	SHARED struct rve_block *block = at->block;
+	for (int q = 0; q < LANE_SUMS; q++)
+		FOR_THREADS(lane, width) block->lanes[q][lane] += block->lanes[q][lane + width];
+	FOR_THREADS(lane, width)
+	block->lanes[LANE_OVERLAP][lane] =
+		real_max(block->lanes[LANE_OVERLAP][lane + width], block->lanes[LANE_OVERLAP][lane]);
 }
 
 /* Stress, conductivity, elasticity and ledgers from the sums. */
 BLOCKFN void homogenise(const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	discs_measure(at);
-	lanes_sum(block);
 	ONE_THREAD
 	{
 		real total[LANE_TOTALS];
@@ -300,5 +306,4 @@ BLOCKFN void homogenise(const struct rve_place *at)
 			total[q] = block->lanes[q][0];
 		head_from_totals(&block->head, at->constants, at->call, at->layout->n, block->scale_step, total);
 	}
-	SYNC();
 }

@@ -7,39 +7,10 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <unistd.h>
 #include <cmocka.h>
 
 #include "../common/rve_case.h"
 #include "../common/device_case.h"
-
-static void lives_equal(struct rve_model *model, const char *where, int threads)
-{
-	struct device_case here, there;
-	struct rve_pool *pool;
-	char note[1024];
-	device_case_start(&here, model);
-	device_case_start(&there, model);
-	if (rve_pool_create(&pool, model, there.states, DEVICE_CASE_RVES, where, threads, note, sizeof note) != STATUS_OK)
-		fail_msg("%s", error_message());
-	assert_non_null(pool);
-	for (int k = 0; k < 4; k++) {
-		assert_int_equal(device_case_advance(&here, NULL, 4e-2), STATUS_OK);
-		if (device_case_advance(&there, pool, 4e-2) != STATUS_OK)
-			fail_msg("%s", error_message());
-		assert_memory_equal(here.stress, there.stress, sizeof here.stress);
-	}
-	assert_int_equal(rve_pool_fetch(pool, -1), STATUS_OK);
-	device_case_equal(&here, &there);
-	struct rve_info info;
-	rve_get_info(model, here.states, &info);
-	assert_true(info.rebuilds > 0);
-	rve_get_info(model, here.states + 3 * rve_state_bytes(model), &info);
-	assert_true(info.bonds_intact < info.bonds_installed);
-	rve_pool_free(pool);
-	device_case_end(&here);
-	device_case_end(&there);
-}
 
 static void same_bits(void **unused)
 {
@@ -47,8 +18,8 @@ static void same_bits(void **unused)
 	static const int sizes[] = {32, 64, 128, 256};
 	struct rve_model *model = device_case_model(64);
 	for (int s = 0; s < 4; s++)
-		lives_equal(model, "opencl:0", sizes[s]);
-	lives_equal(model, "opencl:0,cpu", 32);
+		device_case_lives_equal(model, "opencl:0", sizes[s]);
+	device_case_lives_equal(model, "opencl:0,cpu", 32);
 	rve_model_free(model);
 }
 
@@ -82,34 +53,10 @@ static void words(void **unused)
 		assert_int_equal(rve_devices_check(bad[k]), STATUS_INPUT);
 }
 
-/* The library finds its drivers by files that name them. */
-static int choose_oclgrind(void)
-{
-	static const char driver[] = "/usr/lib/oclgrind/liboclgrind-rt-icd.so";
-	FILE *file = access(driver, R_OK) == 0 ? fopen(BUILD_DIR "/test_gpu_oclgrind.icd", "w") : NULL;
-	if (!file)
-		return 0;
-	fprintf(file, "%s\n", driver);
-	fclose(file);
-	setenv("OCL_ICD_VENDORS", BUILD_DIR "/test_gpu_oclgrind.icd", 1);
-	setenv("OCLGRIND_LOCAL_MEM_SIZE", "131072", 1);
-	return 1;
-}
-
 int main(void)
 {
-	struct rve_device_info devices[RVE_DEVICES_MOST];
-	char why[256] = "this build has no OpenCL";
-	int n = 0;
-	if (!choose_oclgrind()) {
+	if (!device_case_driver("/usr/lib/oclgrind/liboclgrind-rt-icd.so", "Oclgrind", BUILD_DIR "/test_gpu_oclgrind.icd")) {
 		printf("SKIPPED: test_gpu_opencl: there is no oclgrind\n");
-		return 77;
-	}
-	for (int b = 0; rve_backends[b]; b++)
-		if (!strcmp(rve_backends[b]->name, "opencl"))
-			n = rve_backends[b]->list(devices, RVE_DEVICES_MOST, why, sizeof why);
-	if (n == 0 || devices[0].unfit[0] || !strstr(devices[0].name, "Oclgrind")) {
-		printf("SKIPPED: test_gpu_opencl: %s\n", n ? devices[0].name : why);
 		return 77;
 	}
 	const struct CMUnitTest tests[] = {cmocka_unit_test(words), cmocka_unit_test(same_bits),

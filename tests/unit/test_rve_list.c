@@ -25,6 +25,7 @@ static int valid(double scale, double stretch, double way)
 	block.head.scale_ref = 1.0;
 	block.scale = scale;
 	block.lanes[LANE_DISPLACEMENT][3] = block.lanes[LANE_DISPLACEMENT][70] = way * way;
+	displacements_fold(&place);
 	return neighbours_valid(&place);
 }
 
