@@ -37,22 +37,21 @@ static void gather_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 	struct shape_lists lists;
 	struct contact *c = w->contact;
 	const struct particles *p = &mpm->p;
-	int first, last;
-	mpm_stripe_points(w, stripe, &first, &last);
-	for (int i = first; i < last; i++) {
-		int q = w->order[i];
-		if (!contact_is_near(mpm, q))
-			continue;
-		mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &q, &lists);
-		double m = p->mass[q], volume = mat2_determinant(p->F[q]) * p->volume0[q];
-		for (int a = 0; a < lists.nodes; a++) {
-			int node = lists.node[a][0];
-			if (c->first[node] < 0 || lists.weight[a][0] == 0.0)
-				continue;
-			struct contact_field *field = contact_field_of(mpm, c, node, q);
-			field->gradient[0] += lists.grad_x[a][0] * m;
-			field->gradient[1] += lists.grad_y[a][0] * m;
-			field->volume += lists.weight[a][0] * volume;
+	int i, last, n, chunk[SHAPE_CHUNK];
+	mpm_stripe_points(w, stripe, &i, &last);
+	while ((n = contact_pick(w, c->near, &i, last, chunk)) > 0) {
+		w->kernel->fill[mpm->shape->number](&w->shape_grid, &w->shape_points, n, chunk, &lists);
+		for (int k = 0; k < n; k++) {
+			double m = p->mass[chunk[k]], volume = mat2_determinant(p->F[chunk[k]]) * p->volume0[chunk[k]];
+			for (int a = 0; a < lists.nodes; a++) {
+				int node = lists.node[a][k];
+				if (c->first[node] < 0 || lists.weight[a][k] == 0.0)
+					continue;
+				struct contact_field *field = contact_field_of(mpm, c, node, chunk[k]);
+				field->gradient[0] += lists.grad_x[a][k] * m;
+				field->gradient[1] += lists.grad_y[a][k] * m;
+				field->volume += lists.weight[a][k] * volume;
+			}
 		}
 	}
 }
@@ -138,16 +137,20 @@ static double face_area(const struct unit *a, const struct unit *b, const double
 static void reach_of_point(const struct mpm *mpm, int q, int unit, const double x[2], int n, struct parting *partings)
 {
 	const double *F = mpm->p.F[q], half = mpm_work(mpm)->half[mpm->p.body[q]] * mpm->grid.h;
+	const double reach_most = half * (fabs(F[0]) + fabs(F[1]) + fabs(F[2]) + fabs(F[3])); /* spares most roots */
 	for (int k = 0; k < n; k++) {
 		struct parting *parting = &partings[k];
 		for (int c = 0; c < parting->n_normals && (parting->a == unit || parting->b == unit); c++) {
 			const double *m = parting->normal[c];
+			double at = x[0] * m[0] + x[1] * m[1], *top = &parting->top[c], *bottom = &parting->bottom[c];
+			if (parting->a == unit ? at + reach_most <= *top : at - reach_most >= *bottom)
+				continue;
 			double gx = F[0] * m[0] + F[2] * m[1], gy = F[1] * m[0] + F[3] * m[1];
-			double at = x[0] * m[0] + x[1] * m[1], reach = half * sqrt(gx * gx + gy * gy);
+			double reach = half * sqrt(gx * gx + gy * gy);
 			if (parting->a == unit)
-				parting->top[c] = fmax(parting->top[c], at + reach);
+				*top = at + reach > *top ? at + reach : *top;
 			else
-				parting->bottom[c] = fmin(parting->bottom[c], at - reach);
+				*bottom = at - reach < *bottom ? at - reach : *bottom;
 		}
 	}
 }
@@ -327,16 +330,16 @@ static void press_block(struct mpm *mpm, int block)
 	const struct contact *c = w->contact;
 	const int first = block * BLOCK_POINTS,
 			  last = first + BLOCK_POINTS < w->n_inside ? first + BLOCK_POINTS : w->n_inside;
-	for (int i = first; i < last; i++) {
-		int q = w->order[i];
-		double pressure = penalty_pressure(mpm, q);
-		if (c->marked[w->cell[q]]) {
-			mpm->shape->fill(&w->shape_grid, &w->shape_points, 1, &q, &lists);
+	for (int i = first; i < last; i++)
+		mpm->p.contact_pressure[w->order[i]] = penalty_pressure(mpm, w->order[i]);
+	int i = first, n, chunk[SHAPE_CHUNK];
+	while ((n = contact_pick(w, c->marked, &i, last, chunk)) > 0) {
+		w->kernel->fill[mpm->shape->number](&w->shape_grid, &w->shape_points, n, chunk, &lists);
+		for (int k = 0; k < n; k++)
 			for (int a = 0; a < lists.nodes; a++)
-				if (c->first[lists.node[a][0]] >= 0)
-					pressure += lists.weight[a][0] * contact_field_of(mpm, c, lists.node[a][0], q)->pressure;
-		}
-		mpm->p.contact_pressure[q] = pressure;
+				if (c->first[lists.node[a][k]] >= 0)
+					mpm->p.contact_pressure[chunk[k]] +=
+						lists.weight[a][k] * contact_field_of(mpm, c, lists.node[a][k], chunk[k])->pressure;
 	}
 }
 

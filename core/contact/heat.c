@@ -20,35 +20,39 @@ enum { LIFTS = 3 }; /* each leaves about a third of the error before */
 
 /* ---- temperatures at the face ---- */
 
+/* Point q, number k of its lists. */
+static void lift_point(const struct mpm *mpm, struct contact *c, const struct shape_lists *lists, int k, int q)
+{
+	const struct particles *p = &mpm->p;
+	const struct grid *grid = &mpm->grid;
+	double gx = 0.0, gy = 0.0, capacity = p->mass[q] * p->capacity[q];
+	for (int a = 0; a < lists->nodes; a++) {
+		gx += lists->grad_x[a][k] * grid->T[lists->node[a][k]];
+		gy += lists->grad_y[a][k] * grid->T[lists->node[a][k]];
+	}
+	for (int a = 0; a < lists->nodes; a++) {
+		int node = mpm_home(mpm, lists->node[a][k]);
+		if (c->first[node] < 0)
+			continue;
+		double x = grid->origin[0] + node % grid->nx * grid->spacing[0] - p->x[q][0],
+			   y = grid->origin[1] + node / grid->nx * grid->spacing[1] - p->x[q][1];
+		struct contact_field *field = contact_field_of(mpm, c, node, q);
+		field->lift += capacity * lists->weight[a][k] * (gx * x + gy * y);
+		field->slope[0] += capacity * lists->weight[a][k] * gx;
+		field->slope[1] += capacity * lists->weight[a][k] * gy;
+	}
+}
+
 static void lift_stripe(struct mpm *mpm, struct mpm_work *w, int stripe)
 {
 	struct shape_lists lists;
 	struct contact *c = w->contact;
-	const struct particles *p = &mpm->p;
-	const struct grid *grid = &mpm->grid;
-	int first, last;
-	mpm_stripe_points(w, stripe, &first, &last);
-	for (int i = first; i < last; i++) {
-		int q = w->order[i];
-		double gx = 0.0, gy = 0.0, capacity = p->mass[q] * p->capacity[q];
-		if (!c->marked[w->cell[q]])
-			continue;
-		mpm_lists(mpm, 1, &q, &lists);
-		for (int a = 0; a < lists.nodes; a++) {
-			gx += lists.grad_x[a][0] * grid->T[lists.node[a][0]];
-			gy += lists.grad_y[a][0] * grid->T[lists.node[a][0]];
-		}
-		for (int a = 0; a < lists.nodes; a++) {
-			int node = mpm_home(mpm, lists.node[a][0]);
-			if (c->first[node] < 0)
-				continue;
-			double x = grid->origin[0] + node % grid->nx * grid->spacing[0] - p->x[q][0],
-				   y = grid->origin[1] + node / grid->nx * grid->spacing[1] - p->x[q][1];
-			struct contact_field *field = contact_field_of(mpm, c, node, q);
-			field->lift += capacity * lists.weight[a][0] * (gx * x + gy * y);
-			field->slope[0] += capacity * lists.weight[a][0] * gx;
-			field->slope[1] += capacity * lists.weight[a][0] * gy;
-		}
+	int i, last, n, chunk[SHAPE_CHUNK];
+	mpm_stripe_points(w, stripe, &i, &last);
+	while ((n = contact_pick(w, c->marked, &i, last, chunk)) > 0) {
+		mpm_lists(mpm, n, chunk, &lists);
+		for (int k = 0; k < n; k++)
+			lift_point(mpm, c, &lists, k, chunk[k]);
 	}
 }
 

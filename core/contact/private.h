@@ -101,6 +101,17 @@ static inline struct contact_field *contact_field_of(const struct mpm *mpm, cons
 	return field->sided ? field + contact_side(field->direction, mpm->p.damage_gradient[q]) : field;
 }
 
+/* The next points of order[*i .. last - 1] in cells for which `wanted` holds, at most a chunk of them; how many. */
+static inline int contact_pick(const struct mpm_work *w, const bool *wanted, int *i, int last, int *points)
+{
+	int n = 0;
+	for (; *i < last && n < SHAPE_CHUNK; ++*i) {
+		points[n] = w->order[*i];
+		n += wanted[w->cell[points[n]]];
+	}
+	return n;
+}
+
 /* Is any of a chunk's points near a node with several fields? */
 static inline bool contact_is_near(const struct mpm *mpm, int point)
 {

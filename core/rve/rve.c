@@ -264,8 +264,9 @@ static int variant_start(struct rve_model *model, int number, const struct rve_p
 	return STATUS_OK;
 }
 
-/* Single precision errs by about 1 Pa from 10 to 100 kPa, by up to 60 Pa at 1 kPa: scenarios/studies/rve_precision.cfg.
- */
+/* Single precision errs by about 1 Pa from 10 to 100 kPa, in packings of 1 kPa by up to 60 Pa, most of it chaos:
+ * scenarios/studies/rve_precision.cfg.  Asked of packings only: where material comes loose in a run, single errs by
+ * thousandths of the pressure down to that of the gas state (tests/unit/test_rve_simd.c). */
 static const double single_pressure = 10e3; /* Pa */
 
 static int check_precision(const struct rve_params *params, const struct rve_packing *packing)

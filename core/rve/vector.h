@@ -4,7 +4,8 @@
  * lane sees the same IEEE operations in the same order whatever that width is, never contracted, so that the bits are
  * the same on AVX-512, AVX2, SSE2 and on processors without any of these.  + - * / are operators.
  *
- * Compile with RVE_FLOAT for single precision. */
+ * Compile with RVE_FLOAT for single precision, with RVE_PORTABLE for what other processors than x86 do
+ * (tests/unit/test_rve_portable.c). */
 #ifndef TMDEMPM_RVE_VECTOR_H
 #define TMDEMPM_RVE_VECTOR_H
 
@@ -14,12 +15,14 @@
 
 #include "rve/dialect.h"
 
-#if defined(__x86_64__) && defined(__SSE2__)
+#if defined(__x86_64__) && defined(__SSE2__) && !defined(RVE_PORTABLE)
 #include <immintrin.h>
 #define VECTOR_X86
 #endif
 
-#if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
+#ifndef VECTOR_X86
+#define VECTOR_BYTES 16
+#elif defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
 #define VECTOR_512
 #define VECTOR_BYTES 64
 #elif defined(__AVX2__)
