@@ -5,4 +5,4 @@ extern const struct rve_backend gpu_cuda, gpu_opencl;
 const struct rve_backend *const rve_backends[] = {&gpu_cuda, &gpu_opencl, NULL};
 
 /* gpu/CMakeLists.txt tells nvcc these sizes. */
-_Static_assert(sizeof(struct rve_task) == 952, "the size of a task has changed: gpu/CMakeLists.txt");
+_Static_assert(sizeof(struct rve_task) == 984, "the size of a task has changed: gpu/CMakeLists.txt");

@@ -56,6 +56,8 @@ struct law_counts {
 	long long calls;       /* point-steps so far, quiet ones and flying ones aside */
 	long long quiet_calls, quiet_caught; /* point-steps so far in which discs waited, in which they caught up */
 	double quiet_error_sum, quiet_error_most; /* relative error of the stress then, summed and largest */
+	long long paced_calls, paced_saved; /* point-steps so far with longer DEM steps, disc-steps that this saved */
+	double paced_error_sum, paced_error_most; /* estimated error of the stress in them, Pa, summed and largest */
 	long long inertia[12]; /* histogram of inertial numbers: < 1e-6, then 2 bins a decade, > 1e-1 */
 };
 

@@ -200,6 +200,10 @@ static void counts(const struct law *law, struct law_counts *sums)
 		sums->quiet_caught += info.quiet_caught;
 		sums->quiet_error_sum += info.quiet_error_sum;
 		sums->quiet_error_most = fmax(sums->quiet_error_most, info.quiet_error_most);
+		sums->paced_calls += info.paced_calls;
+		sums->paced_saved += info.paced_saved * rve_discs(law->model);
+		sums->paced_error_sum += info.paced_error_sum;
+		sums->paced_error_most = fmax(sums->paced_error_most, info.paced_error_most);
 		sums->bonds_installed += info.bonds_installed;
 		sums->bonds_intact += info.bonds_intact;
 		for (int bin = 0; bin < 12; bin++)

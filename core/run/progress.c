@@ -25,6 +25,10 @@ void run_counts(const struct run *run, struct law_counts *counts)
 		counts->quiet_caught += one.quiet_caught;
 		counts->quiet_error_sum += one.quiet_error_sum;
 		counts->quiet_error_most = fmax(counts->quiet_error_most, one.quiet_error_most);
+		counts->paced_calls += one.paced_calls;
+		counts->paced_saved += one.paced_saved;
+		counts->paced_error_sum += one.paced_error_sum;
+		counts->paced_error_most = fmax(counts->paced_error_most, one.paced_error_most);
 		counts->twin_calls += one.twin_calls;
 		counts->twin_disc_steps += one.twin_disc_steps;
 		counts->bonds_installed += one.bonds_installed;

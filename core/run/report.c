@@ -117,6 +117,12 @@ static void report_counts(struct json *json, const struct run *run)
 		json_number(json, "quiet_stress_error_mean", counts.quiet_error_sum / (double)counts.quiet_caught);
 		json_number(json, "quiet_stress_error_most", counts.quiet_error_most);
 	}
+	json_integer(json, "paced_steps", counts.paced_calls);
+	json_integer(json, "paced_disc_steps_saved", counts.paced_saved);
+	if (counts.paced_calls > 0) {
+		json_number(json, "paced_stress_error_mean", counts.paced_error_sum / (double)counts.paced_calls);
+		json_number(json, "paced_stress_error_most", counts.paced_error_most);
+	}
 	json_close(json, '}');
 	json_integer(json, "bonds_installed", counts.bonds_installed);
 	json_integer(json, "bonds_intact", counts.bonds_intact);
@@ -329,6 +335,13 @@ static void report_economy(struct run *run, const struct law_counts *counts)
 				 counts->quiet_calls,
 				 100.0 * (double)counts->quiet_calls / (double)(counts->quiet_calls + counts->calls), counts->quiet_caught,
 				 counts->quiet_error_sum / fmax((double)counts->quiet_caught, 1.0), counts->quiet_error_most);
+	if (counts->paced_calls > 0)
+		log_line(&run->log,
+				 "economy: longer DEM steps in %.1f%% of the RVEs' steps saved %.1f%% of all disc-steps; they change the "
+				 "stress by an estimated %.3g Pa on average, %.3g Pa at most",
+				 100.0 * (double)counts->paced_calls / (double)counts->calls,
+				 100.0 * (double)counts->paced_saved / ((double)counts->paced_saved + (double)counts->disc_steps),
+				 counts->paced_error_sum / (double)counts->paced_calls, counts->paced_error_most);
 }
 
 static void report_print_times(struct run *run)

@@ -27,6 +27,10 @@ void rve_params_from_scene(struct rve_params *params, const struct scene_law_rve
 	params->gas_pressure = law->gas_pressure;
 	params->gas_stretch = law->gas_stretch;
 	params->step_guard = law->step_guard;
+	params->pace_stress = law->economy.pace.stress;
+	params->pace_calm = law->economy.pace.calm;
+	params->pace_unbalanced = law->economy.pace.unbalanced;
+	params->pace_sliding = law->economy.pace.sliding;
 	params->quiet_change = law->economy.quiet.change;
 	params->quiet_strain = law->economy.quiet.strain;
 	params->quiet_unbalanced = law->economy.quiet.unbalanced;

@@ -11,6 +11,7 @@
 #include "base/mat2.h"
 #include "rve/model.h"
 #include "rve/pool.h"
+#include "rve/pace.h"
 #include "rve/quiet.h"
 
 static const double pi = 3.14159265358979323846;
@@ -27,6 +28,7 @@ void rve_params_default(struct rve_params *params)
 								  .thickness = 0.075,
 								  .expansion = 1e-4,
 								  .resistance = 1e4,
+								  .pace_calm = 1.0,
 								  .step_factor = 0.4,
 								  .strain_per_step = 5e-5,
 								  .pressure_scaling = 1,
@@ -452,28 +454,13 @@ static double principal_rate(const double L[4])
 	return fabs(mean) + sqrt(half * half + shear * shear);
 }
 
-/* How many sub-steps the strain of this call needs; counts where n_max cuts them. */
-static int choose_sub_steps(const struct rve_params *params, struct rve_head *head, double strain)
-{
-	double limit = params->strain_per_step;
-	if (params->pressure_scaling)
-		limit *= fmax(0.1, fmin(1.0, sqrt(fmax(rve_stress_scale(head), 0.0) / 100e3)));
-	double wanted = fmax(1.0, fmin(ceil(strain / limit), 1e9));
-	if (params->n_max > 0 && wanted > params->n_max) {
-		head->clamped++;
-		return params->n_max;
-	}
-	return (int)wanted;
-}
-
 static void count_inertia(const struct rve_model *model, struct rve_head *head, double strain_per_step)
 {
 	static const double bounds[RVE_INERTIA_BINS - 1] = {1e-6, 3.1622776601683795e-6, 1e-5, 3.1622776601683795e-5,
 														1e-4, 3.1622776601683795e-4, 1e-3, 3.1622776601683795e-3,
 														1e-2, 3.1622776601683795e-2, 1e-1};
 	double pressure = fmax(rve_stress_scale(head), 1.0); /* Pa; a cell without stress counts as 1 Pa */
-	head->inertial_number =
-		strain_per_step / model->constants.dt * model->diameter * sqrt(model->params.grain_density / pressure);
+	head->inertial_number = pace_inertia(model, strain_per_step, pressure);
 	int bin = 0;
 	while (bin < RVE_INERTIA_BINS - 1 && head->inertial_number >= bounds[bin])
 		bin++;
@@ -532,6 +519,8 @@ static int reseed(const struct rve_model *model, void *state, unsigned char *scr
 	head->bonds_installed = kept.bonds_installed;
 	head->quiet_calls = kept.quiet_calls, head->quiet_caught = kept.quiet_caught;
 	head->quiet_error_sum = kept.quiet_error_sum, head->quiet_error_most = kept.quiet_error_most;
+	head->paced_calls = kept.paced_calls, head->paced_saved = kept.paced_saved;
+	head->paced_error_sum = kept.paced_error_sum, head->paced_error_most = kept.paced_error_most;
 	int status = rve_sub_steps(model, state, scratch, &rest, 0, 1);
 	head->ledger[LEDGER_DISCARDED] += stored_energy(&kept) - stored_energy(head);
 	return status;
@@ -648,7 +637,7 @@ static double motion_strain(const struct rve_model *model, const struct rve_moti
 
 static int plan_sub_steps(const struct rve_model *model, struct rve_head *head, const struct rve_motion *motion)
 {
-	int sub_steps = choose_sub_steps(&model->params, head, motion_strain(model, motion));
+	int sub_steps = pace_sub_steps(model, head, motion_strain(model, motion));
 	count_inertia(model, head, principal_rate(motion->L) * motion->duration / sub_steps);
 	return sub_steps;
 }
@@ -872,6 +861,8 @@ void rve_get_info(const struct rve_model *model, const void *state, struct rve_i
 	info->quiet_calls = head->quiet_calls, info->quiet_caught = head->quiet_caught;
 	info->quiet_waiting = head->held.calls;
 	info->quiet_error_sum = head->quiet_error_sum, info->quiet_error_most = head->quiet_error_most;
+	info->paced_calls = head->paced_calls, info->paced_saved = head->paced_saved;
+	info->paced_error_sum = head->paced_error_sum, info->paced_error_most = head->paced_error_most;
 	for (int bin = 0; bin < RVE_INERTIA_BINS; bin++)
 		info->inertia[bin] = head->inertia[bin];
 	info->work = head->ledger[LEDGER_WORK];

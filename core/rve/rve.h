@@ -45,6 +45,10 @@ struct rve_params {
 	double bond_melting;    /* T_c, K: above it every bond breaks; INFINITY = never */
 	double bond_reference;  /* K: beta falls linearly from beta_s here to 0 at T_c; NAN: it is beta_s up to T_c */
 	int step_guard;         /* guard: a step above its limit is refused, and discs that jitter in it stop the run; 1 */
+	double pace_stress;     /* Pa: error of the stress that longer sub-steps may cause; 0 = none */
+	double pace_calm;       /* sub-steps this many times as long where the contacts are calm; 1 = off */
+	double pace_unbalanced; /* calm: unbalanced force below this */
+	double pace_sliding;    /* and a share of sliding contacts below this */
 	double quiet_change;    /* quiet RVEs wait until the stress would have changed by this share; 0 = none waits */
 	double quiet_strain;    /* and at most by this strain */
 	double quiet_unbalanced; /* and only where the unbalanced force is below this */
@@ -147,6 +151,10 @@ struct rve_info {
 	 * relative, summed over those and the largest; calls that they have waited now, whose motion H and the discs lack */
 	long long quiet_calls, quiet_caught, quiet_waiting;
 	double quiet_error_sum, quiet_error_most;
+	/* calls so far that had fewer sub-steps than strain_per_step asks for, how many fewer in all; the estimated error of
+	 * the stress in them, Pa, summed over the calls and the largest */
+	long long paced_calls, paced_saved;
+	double paced_error_sum, paced_error_most;
 	/* ledgers, J of the cell with its z, since birth or reset; work begins as the energy stored then, so that
 	 * work = elastic + kinetic + friction + dashpot + bond + discarded - expansion */
 	double work, elastic, kinetic, friction, dashpot, bond, expansion, discarded;

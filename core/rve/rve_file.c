@@ -52,11 +52,15 @@ static const struct {
 	NUMBER(bond_reference),
 	INTEGER(step_guard),
 	NUMBER(overlap_max),
+	NUMBER(pace_stress),
+	NUMBER(pace_calm),
+	NUMBER(pace_unbalanced),
+	NUMBER(pace_sliding),
 	NUMBER(quiet_change),
 	NUMBER(quiet_strain),
 	NUMBER(quiet_unbalanced),
 };
-_Static_assert(sizeof(struct rve_params) == 200, "a parameter has come or gone: params_table above must know it");
+_Static_assert(sizeof(struct rve_params) == 232, "a parameter has come or gone: params_table above must know it");
 enum { PARAMS = sizeof params_table / sizeof *params_table };
 
 /* States are copied as they lie in memory: a hash of how they do, for those that lie otherwise. */

@@ -85,6 +85,8 @@ struct rve_head {
 	struct rve_held held;
 	int64 quiet_calls, quiet_caught; /* so far: calls in which the discs waited, and caught up */
 	real quiet_error_sum, quiet_error_most; /* of the stress / its scale, when they caught up */
+	int64 paced_calls, paced_saved;      /* so far: calls with fewer sub-steps than strain_per_step asks for; how many fewer */
+	real paced_error_sum, paced_error_most; /* Pa, estimated of the stress in those calls */
 	unsigned inertia[RVE_INERTIA_BINS];  /* calls by inertial number */
 	int sub_steps, flags, variant, reseeded, rebuilds, clamped;
 	int bonds_installed, bonds_intact;

@@ -130,9 +130,21 @@ static const struct scene_key quiet_keys[] = {
 	 .doc = "and only where the mean net force on a disc / mean contact force is below this"},
 	END};
 
+static const struct scene_key pace_keys[] = {
+	{.name = "stress", .type = KEY_FLOAT, AT(scene_pace, stress), .unit = "Pa", .value = "0.0", .range = RANGE_NOT_NEGATIVE,
+	 .doc = "a DEM step may be as long as inertia in it changes the stress by this, by estimate: RVEs of low pressure need fewer; a hundredth of the pressures that matter; 0 = off"},
+	{.name = "calm", .type = KEY_FLOAT, AT(scene_pace, calm), .value = "1.0", .range = RANGE_WITHIN, .min = 1.0, .max = 20.0,
+	 .doc = "where the contacts are calm it may be this many times as long as strain_per_step allows; 1 = off"},
+	{.name = "unbalanced", .type = KEY_FLOAT, AT(scene_pace, unbalanced), .value = "0.02", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "calm: the mean net force on a disc / mean contact force is below this"},
+	{.name = "sliding", .type = KEY_FLOAT, AT(scene_pace, sliding), .value = "0.05", .range = RANGE_WITHIN, .min = 0.0, .max = 1.0,
+	 .doc = "and the share of contacts that slide below this"},
+	END};
+
 static const struct scene_key economy_keys[] = {
 	{.name = "twins", .type = KEY_BOOL, AT(scene_economy, twins), .value = "true",
 	 .doc = "RVEs that are equal bit for bit, and told the same, are computed once; changes no bit"},
+	{.name = "pace", .type = KEY_GROUP, AT(scene_economy, pace), KEYS(pace_keys), .doc = "longer DEM steps where that matters little"},
 	{.name = "quiet", .type = KEY_GROUP, AT(scene_economy, quiet), KEYS(quiet_keys), .doc = "RVEs to which little happens"},
 	END};
 

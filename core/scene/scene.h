@@ -121,6 +121,12 @@ enum scene_rve_path { SCENE_RVE_AUTO, SCENE_RVE_SERIAL, SCENE_RVE_SIMD, SCENE_RV
 /* What is not computed; see law/twins.h. */
 struct scene_economy {
 	bool twins; /* RVEs that are equal bit for bit are computed once; true */
+	struct scene_pace {
+		double stress;     /* Pa; 0 = off */
+		double calm;       /* 1 = off */
+		double unbalanced; /* 0.02 */
+		double sliding;    /* 0.05 */
+	} pace;
 	struct scene_quiet {
 		double change;     /* of the stress / pressure, up to which discs wait; 0 = they never do */
 		double strain;     /* and up to this strain; 1e-4 */
