@@ -23,6 +23,7 @@ struct member {
 	const struct rve_backend *backend;
 	struct rve_device *device;
 	int number;
+	struct rve_device_info info;
 	struct rve_task *tasks;
 	int *entry; /* the batch's number of each task */
 	int n;      /* tasks of this call */
@@ -146,8 +147,12 @@ static int open_member(struct rve_pool *p, const struct rve_backend *backend, in
 		tables[v] = model->variants[v].table;
 	const struct rve_device_setup setup = {&model->layout, &model->constants, model->n_variants, tables, p->n, threads};
 	struct member *m = &p->members[p->n_members];
+	struct rve_device_info devices[RVE_DEVICES_MOST];
+	char why[256];
 	*m = (struct member){.backend = backend, .number = number};
 	CHECK(backend->open(&m->device, number, &setup));
+	if (number < backend->list(devices, RVE_DEVICES_MOST, why, sizeof why))
+		m->info = devices[number];
 	p->n_members++;
 	m->tasks = calloc((size_t)p->n + 1, sizeof *m->tasks);
 	m->entry = calloc((size_t)p->n + 1, sizeof *m->entry);
@@ -199,13 +204,9 @@ static void deal_out(struct rve_pool *p)
 
 static void name_members(const struct rve_pool *p, char *note, size_t bytes)
 {
-	for (int m = 0; m < p->n_members; m++) {
-		struct rve_device_info devices[RVE_DEVICES_MOST] = {0};
-		char why[256];
-		p->members[m].backend->list(devices, RVE_DEVICES_MOST, why, sizeof why);
+	for (int m = 0; m < p->n_members; m++)
 		say(note, bytes, "%s%s:%d %s (%s)", m ? ", " : "", p->members[m].backend->name, p->members[m].number,
-			devices[p->members[m].number].name, devices[p->members[m].number].driver);
-	}
+			p->members[m].info.name, p->members[m].info.driver);
 	say(note, bytes, "%s", p->n_members == 0 ? "cpu" : p->with_cpu ? ", cpu" : "");
 }
 
@@ -492,7 +493,7 @@ void rve_pool_shares(const struct rve_pool *p, char *words, size_t bytes)
 		for (int slot = 0; slot < p->n; slot++)
 			n += p->home[slot] == m;
 		here -= n;
-		say(words, bytes, "%s:%d %d, ", p->members[m].backend->name, p->members[m].number, n);
+		say(words, bytes, "%s:%d %s %d, ", p->members[m].backend->name, p->members[m].number, p->members[m].info.name, n);
 	}
 	say(words, bytes, "cpu %d", here);
 }
