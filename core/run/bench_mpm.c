@@ -1,5 +1,6 @@
 /* Speed of the MPM on one core: whole mpm_step() calls on an elastic column that swings under its weight,
- * 4 points in each grid cell, ledger and guards included; and what each transfer scheme and order costs. */
+ * 4 points in each grid cell, ledger and guards included; and what each transfer scheme and order costs, and the fields
+ * of bodies and cracks. */
 #include "run/bench.h"
 
 #include <math.h>
@@ -11,7 +12,8 @@
 #include "base/error.h"
 #include "mpm/mpm.h"
 
-enum { REPEATS = 7, POINT_STEPS = 1000000 };
+enum { REPEATS = 7, POINT_STEPS = 1000000, BREAK_STEPS = 5 /* for each cell of a side */ };
+static const double BREAK_STRENGTH = 2e3, BREAK_ENERGY = 0.1, BREAK_SPEED = 0.5; /* Pa, J/m2, m/s */
 
 static double thread_seconds(void)
 {
@@ -126,6 +128,80 @@ static int bench_case(bool json, const char *name, const char *shape, int side, 
 	return status;
 }
 
+/* ---- what fields of their own cost ---- */
+
+/* The square is of a weak solid and falls on the floor: a tenth of its points is damaged when it is looked at. */
+static void break_column(struct column *c)
+{
+	const double h = c->scene.grid.cell;
+	c->law.type = SCENE_LAW_RANKINE;
+	c->law.rankine = (struct scene_law_rankine){.young = 1e6,
+												.poisson = 0.2,
+												.expansion = 1e-5,
+												.strength = BREAK_STRENGTH,
+												.fracture_energy = BREAK_ENERGY,
+												.heat_share = 1.0,
+												.cell = h};
+	c->body[0].velocity[1] = -BREAK_SPEED;
+	c->contact = (struct scene_contact){
+		.cracks = true, .friction = 0.3, .softening = {NAN, NAN}, .heat_share = 1.0, .conductance_pressure = 1.0};
+	c->scene.contacts = &c->contact, c->scene.n_contacts = 1;
+}
+
+/* Gives the state of one to another that differs by its contacts only. */
+static int take_over(struct mpm *to, struct mpm *from)
+{
+	int n = mpm_state(from, NULL), m = mpm_state(to, NULL);
+	struct mpm_state_array have[n], want[m];
+	mpm_state(from, have), mpm_state(to, want);
+	CHECK(mpm_write_out(from));
+	for (int k = 0; k < m; k++)
+		for (int i = 0; i < n; i++)
+			if (strcmp(have[i].name, want[k].name) == 0 && have[i].count == want[k].count)
+				memcpy(want[k].data, have[i].data,
+					   want[k].count * (want[k].type == 'b'   ? 1
+										: want[k].type == 'i' ? sizeof(int)
+															  : sizeof(double)));
+	return mpm_restored(to);
+}
+
+/* How much longer a step takes with contacts than without, in turns: of four bodies that touch, or of one that has
+ * broken up. */
+static int bench_partition(bool json, const char *name, int side, bool broken)
+{
+	struct column columns[2];
+	struct mpm *mpm[2] = {NULL, NULL};
+	double costs[REPEATS], rate;
+	int status = STATUS_OK;
+	for (int k = 0; k < 2 && status == STATUS_OK; k++) {
+		column_scene(&columns[k], "cpdi", side, false);
+		if (broken)
+			break_column(&columns[k]);
+		else
+			part_column(&columns[k], side);
+		columns[k].scene.n_contacts = k;
+		status = mpm_create(&mpm[k], &columns[k].scene);
+	}
+	if (status == STATUS_OK && broken)
+		status = run_steps(mpm[1], BREAK_STEPS * side, &rate);
+	if (status == STATUS_OK && broken)
+		status = take_over(mpm[0], mpm[1]);
+	for (int k = -1; k < REPEATS && status == STATUS_OK; k++) { /* the first warms */
+		double rates[2] = {0.0, 0.0};
+		for (int m = 0; m < 2 && status == STATUS_OK; m++)
+			status = run_steps(mpm[m], POINT_STEPS / mpm[m]->p.n / 4 + 1, &rates[m]);
+		if (k >= 0)
+			costs[k] = 100.0 * (rates[0] / rates[1] - 1.0);
+	}
+	if (status == STATUS_OK)
+		bench_report(json, name, costs, REPEATS, "% of a step", 1);
+	mpm_free(mpm[0]);
+	mpm_free(mpm[1]);
+	return status;
+}
+
+/* ---- schemes ---- */
+
 struct scheme_case {
 	const char *name;
 	enum mpm_transfer transfer;
@@ -174,6 +250,14 @@ int bench_mpm(bool json)
 		{"mpm_cpdi_thermal_10k", "cpdi", 50, true, false},   {"mpm_cpdi_thermal_100k", "cpdi", 158, true, false},
 		{"mpm_cpdi_contact_10k", "cpdi", 50, false, true},   {"mpm_cpdi_contact_100k", "cpdi", 158, false, true},
 	};
+	static const struct {
+		const char *name;
+		int side;
+		bool broken;
+	} partitions[] = {{"mpm_partition_10k", 50, false},
+					  {"mpm_partition_100k", 158, false},
+					  {"mpm_partition_broken_10k", 50, true},
+					  {"mpm_partition_broken_100k", 158, true}};
 	static const struct scheme_case schemes[] = {
 		{"mpm_xpic1", MPM_XPIC, MPM_USL, 1}, {"mpm_xpic2", MPM_XPIC, MPM_USL, 2}, {"mpm_xpic3", MPM_XPIC, MPM_USL, 3},
 		{"mpm_xpic5", MPM_XPIC, MPM_USL, 5}, {"mpm_fmpm2", MPM_FMPM, MPM_USL, 2}, {"mpm_apic", MPM_APIC, MPM_USL, 2},
@@ -184,6 +268,8 @@ int bench_mpm(bool json)
 	bench_header(json, 1);
 	for (size_t k = 0; k < sizeof cases / sizeof *cases && status == STATUS_OK; k++)
 		status = bench_case(json, cases[k].name, cases[k].shape, cases[k].side, cases[k].thermal, cases[k].parted);
+	for (size_t k = 0; k < sizeof partitions / sizeof *partitions && status == STATUS_OK; k++)
+		status = bench_partition(json, partitions[k].name, partitions[k].side, partitions[k].broken);
 	for (size_t k = 0; k < sizeof schemes / sizeof *schemes && status == STATUS_OK; k++)
 		status = bench_scheme(json, &schemes[k]);
 	omp_set_num_threads(threads);
