@@ -96,19 +96,47 @@ int rve_devices_check(const char *devices)
 	}
 }
 
-int rve_devices_any(const char *devices)
+static void say(char *note, size_t bytes, const char *format, ...) __attribute__((format(printf, 3, 4)));
+static void say(char *note, size_t bytes, const char *format, ...)
 {
-	if (strcmp(devices, "auto") != 0)
-		return strcmp(devices, "cpu") != 0;
+	size_t used = strlen(note);
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(note + used, bytes - used, format, arguments);
+	va_end(arguments);
+}
+
+/* Whether `auto` may take this device; if not, `note` says why. */
+static int is_fit(const struct rve_backend *backend, int number, const struct rve_device_info *device, char *note,
+				  size_t bytes)
+{
+	const int fit = device->is_gpu && !device->unfit[0];
+	if (!fit)
+		say(note, bytes, "%s:%d %s: %s; ", backend->name, number, device->name,
+			device->unfit[0] ? device->unfit : "no GPU");
+	return fit;
+}
+
+/* Whether there is a device that `auto` may take; if not, `note` says why. */
+static int find_any(char *note, size_t bytes)
+{
+	struct rve_device_info devices[RVE_DEVICES_MOST];
 	for (int b = 0; rve_backends[b]; b++) {
-		struct rve_device_info found[RVE_DEVICES_MOST];
-		char why[256];
-		int n = rve_backends[b]->list(found, RVE_DEVICES_MOST, why, sizeof why);
+		char why[256] = "";
+		const int n = rve_backends[b]->list(devices, RVE_DEVICES_MOST, why, sizeof why);
 		for (int k = 0; k < n; k++)
-			if (found[k].is_gpu && !found[k].unfit[0])
+			if (is_fit(rve_backends[b], k, &devices[k], note, bytes))
 				return 1;
+		if (n == 0)
+			say(note, bytes, "%s: %s; ", rve_backends[b]->name, why);
 	}
 	return 0;
+}
+
+int rve_devices_any(const char *devices)
+{
+	char note[512] = "";
+	return strcmp(devices, "auto") != 0 ? strcmp(devices, "cpu") != 0 : find_any(note, sizeof note);
 }
 
 static int open_member(struct rve_pool *p, const struct rve_backend *backend, int number, int threads)
@@ -131,16 +159,6 @@ static int open_member(struct rve_pool *p, const struct rve_backend *backend, in
 	return m->tasks && m->entry ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for %d RVEs", p->n);
 }
 
-static void say(char *note, size_t bytes, const char *format, ...) __attribute__((format(printf, 3, 4)));
-static void say(char *note, size_t bytes, const char *format, ...)
-{
-	size_t used = strlen(note);
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(note + used, bytes - used, format, arguments);
-	va_end(arguments);
-}
-
 /* The first GPU that can be opened. */
 static void open_any(struct rve_pool *p, int threads, char *note, size_t bytes)
 {
@@ -150,10 +168,8 @@ static void open_any(struct rve_pool *p, int threads, char *note, size_t bytes)
 		char why[256] = "";
 		int n = rve_backends[b]->list(devices, RVE_DEVICES_MOST, why, sizeof why);
 		for (int k = 0; k < n && p->n_members == 0; k++) {
-			if (!devices[k].is_gpu || devices[k].unfit[0])
-				say(note, bytes, "%s:%d %s: %s; ", rve_backends[b]->name, k, devices[k].name,
-					devices[k].unfit[0] ? devices[k].unfit : "no GPU");
-			else if (open_member(p, rve_backends[b], k, threads) != STATUS_OK)
+			if (is_fit(rve_backends[b], k, &devices[k], note, bytes) &&
+				open_member(p, rve_backends[b], k, threads) != STATUS_OK)
 				say(note, bytes, "%s; ", error_message());
 		}
 		if (n == 0)
@@ -212,8 +228,12 @@ int rve_pool_create(struct rve_pool **pool, const struct rve_model *model, unsig
 						 "--device %s: devices compute what the path \"serial\" does, these RVEs are of the path \"%s\": leave out "
 						 "rve.path or the device; a restart takes --allow-path-change",
 						 devices, rve_path_name(model->params.path));
-	if (model->packed)
+	if (model->packed && !find_any(note, note_bytes))
+		return say(note, note_bytes, "cpu"), STATUS_OK;
+	if (model->packed) {
+		note[0] = '\0';
 		return say(note, note_bytes, "cpu (devices have no path \"%s\")", rve_path_name(model->params.path)), STATUS_OK;
+	}
 	struct rve_pool *p = calloc(1, sizeof *p);
 	if (!p)
 		return error_set(STATUS_RESOURCE, "out of memory for %d RVEs", n);
