@@ -40,7 +40,7 @@ static const char help[] =
 	"      steers the run that works in DIR: pause, step, save, stop, inspect, pictures; alone it says how the run "
 	"stands\n"
 	"      (tmdempm steer --help)\n"
-	"  tmdempm check SCENE.cfg [--set path=value]... [--threads N]\n"
+	"  tmdempm check SCENE.cfg [--set path=value]... [--threads N] [--device ...]\n"
 	"      validates a scene and says what its run will be; writes nothing\n"
 	"  tmdempm info [--json]\n"
 	"      what is built in, what is missing and how to get it\n"
@@ -225,22 +225,25 @@ static int command_check(int argc, char **argv)
 {
 	static const struct option long_options[] = {{"set", required_argument, NULL, 's'},
 												 {"threads", required_argument, NULL, 't'},
+												 {"device", required_argument, NULL, 'd'},
 												 {"help", no_argument, NULL, 'h'},
 												 {NULL, 0, NULL, 0}};
-	const char *sets[SETS_MOST], *scene = NULL;
+	const char *sets[SETS_MOST], *scene = NULL, *device = "cpu";
 	int n_sets = 0, threads = 0;
 	for (int c; (c = getopt_long(argc, argv, ":", long_options, NULL)) != -1;) {
 		if (c == 's')
 			CHECK(parse_set(sets, &n_sets, optarg));
 		else if (c == 't')
 			CHECK(parse_count(&threads, "--threads", optarg));
+		else if (c == 'd')
+			CHECK(rve_devices_check(device = optarg));
 		else if (c == 'h')
 			return fputs(help, stdout), STATUS_OK;
 		else
 			return usage_option("check", c, argv);
 	}
 	CHECK(take_scene("check", argc, argv, &scene));
-	return run_check(scene, n_sets, sets, threads);
+	return run_check(scene, n_sets, sets, threads, device);
 }
 
 static int command_study(int argc, char **argv)

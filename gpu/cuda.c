@@ -10,7 +10,8 @@
 #include "rve/device.h"
 #include "text.h"
 
-enum { BLOCKS_PER_UNIT = 4, USUAL_THREADS = LANES };
+/* Registers are enough for 3 blocks of 128 threads on a multiprocessor or for 6 of 64, shared memory for 4 (A100) or 6. */
+enum { USUAL_THREADS = 64 };
 
 enum { MEMORY_TASKS, MEMORY_MODEL, MEMORY_TABLES, MEMORY_STATES, MEMORY_SCRATCH, MEMORIES };
 
@@ -138,8 +139,11 @@ static int take_memory(struct rve_device *d, const struct rve_device_setup *setu
 	size_t places = (size_t)(setup->n_places > 0 ? setup->n_places : 1);
 	d->state_bytes = (size_t)setup->layout->bytes;
 	d->capacity = (int)places;
-	d->blocks = BLOCKS_PER_UNIT * d->units < d->capacity ? BLOCKS_PER_UNIT * d->units : d->capacity;
-	d->blocks = d->blocks > 0 ? d->blocks : 1;
+	int blocks;
+	CU_CHECK(d, "asking about the kernel", cu.occupancy(&blocks, d->kernel, (int)d->threads, 0));
+	if (blocks < 1 || d->units < 1)
+		return error_set(STATUS_RESOURCE, "CUDA device %s: it has no room for a block of %u threads", d->name, d->threads);
+	d->blocks = blocks * d->units < d->capacity ? blocks * d->units : d->capacity;
 	CHECK(take(d, MEMORY_STATES, "the states of RVEs", places * d->state_bytes));
 	CHECK(take(d, MEMORY_SCRATCH, "the blocks", (size_t)d->blocks * (size_t)setup->layout->scratch));
 	CHECK(take(d, MEMORY_TASKS, "the motions of RVEs", places * sizeof(struct rve_task)));

@@ -37,6 +37,7 @@ enum {
 	X(module_load, cuModuleLoadData, (CUmodule *, const void *))                                                       \
 	X(module_unload, cuModuleUnload, (CUmodule))                                                                       \
 	X(module_function, cuModuleGetFunction, (CUfunction *, CUmodule, const char *))                                    \
+	X(occupancy, cuOccupancyMaxActiveBlocksPerMultiprocessor, (int *, CUfunction, int, size_t))                        \
 	X(allocate, cuMemAlloc_v2, (CUdeviceptr *, size_t))                                                                \
 	X(release, cuMemFree_v2, (CUdeviceptr))                                                                            \
 	X(to_device, cuMemcpyHtoD_v2, (CUdeviceptr, const void *, size_t))                                                 \

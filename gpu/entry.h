@@ -8,18 +8,38 @@
 SAME_SIZE(rve_task_size, struct rve_task, RVE_TASK_BYTES);
 SAME_SIZE(rve_task_model_size, struct rve_task_model, RVE_TASK_MODEL_BYTES);
 
+/* What a block shares.  Sizes, constants, motion and where things are as well: they would take a hundred registers of
+ * every thread. */
+struct rve_device_block {
+	struct rve_block block;
+	struct rve_task_model model;
+	struct rve_call call;
+	struct rve_place place;
+};
+
 ENTRY rve_device_advance(GLOBAL struct rve_task *tasks, int n, GLOBAL const struct rve_task_model *model,
 						 GLOBAL const real *tables, GLOBAL unsigned char *states, GLOBAL unsigned char *scratch)
 {
-	SHARED_STRUCT(struct rve_block, block);
-	const struct rve_layout layout = model->layout;
-	const struct rve_constants constants = model->constants;
-	LOCAL unsigned char *mine = scratch + (int64)BLOCK_NUMBER * layout.scratch;
+	SHARED_STRUCT(struct rve_device_block, shared);
+	SHARED struct rve_place *place = &shared.place;
+	SHARED const struct rve_layout *layout = &shared.model.layout;
+	ONE_THREAD
+	{
+		shared.model = *model;
+		place->layout = layout, place->constants = &shared.model.constants;
+		place->call = &shared.call, place->block = &shared.block;
+		place_scratch(place, scratch + (int64)BLOCK_NUMBER * layout->scratch);
+	}
 	for (int k = BLOCK_NUMBER; k < n; k += BLOCK_COUNT) {
 		GLOBAL struct rve_task *task = tasks + k;
-		GLOBAL unsigned char *state = states + (int64)task->place * layout.bytes;
-		GLOBAL const real *table = tables + (int64)task->head.variant * TABLE_FIELDS * layout.stride;
-		const struct rve_call call = task->call;
-		block_advance(&layout, &constants, &call, table, &task->head, state, &block, mine, &task->status);
+		ONE_THREAD
+		{
+			shared.call = task->call;
+			place->table = tables + (int64)task->head.variant * TABLE_FIELDS * layout->stride;
+			place->head = &task->head;
+			place->state = states + (int64)task->place * layout->bytes;
+		}
+		SYNC();
+		block_advance(place, &task->status);
 	}
 }

@@ -156,7 +156,8 @@ bool scale_make(const frame_image &image, const frame_array &array, const char *
 	}
 	double range[2] = {least * scale.factor, most * scale.factor};
 	if (image.range_auto) {
-		ticks_widen(range, parts, image.map == std::string("coolwarm"));
+		// zero means nothing to a temperature
+		ticks_widen(range, parts, image.map == std::string("coolwarm") && array.unit != std::string("T"));
 	} else {
 		for (int k = 0; k < 2; k++)
 			range[k] = image.range[k] * range_factor;

@@ -21,44 +21,27 @@
 
 #include "base/error.h"
 #include "base/mat2.h"
-#include "law/law.h"
+#include "law/kernel.h"
 #include "law/series.h"
+#include "law/thermoelastic.h"
 
-struct model {
-	double lambda, mu;   /* Pa, in the plane */
-	double lambda_zz;    /* Pa, sigma_zz by tr(h): lambda, or 0 in plane stress */
-	double thermal;      /* Pa/K, in the plane */
-	double thermal_zz;   /* Pa/K, out of it */
-	double expansion;    /* 1/K */
-	double expansion_zz; /* 1/K of elastic strain out of the plane: -alpha where it is held, 0 where it is free */
-	double lambda_3d;    /* Pa */
-	double modulus;      /* Pa, P-wave at rest */
-	bool neo_hookean;
-};
-
-/* Logarithms of the principal stretches between which the energy in ln V is rank-one convex. */
-static const double HENCKY_LEAST = -1.5530, HENCKY_MOST = 1.0 / 3.0;
-
-struct state {
-	double warming;   /* K since birth */
-	double pressure;  /* Pa, tr(tau) of the last step: works on thermal expansion */
-	double elastic;   /* J/m3 */
-	double expansion; /* J/m3 */
-};
-
-static struct state *state_of(const struct law *law, int slot) { return (struct state *)law->states + slot; }
+static struct thermoelastic_state *state_of(const struct law *law, int slot)
+{
+	return (struct thermoelastic_state *)law->states + slot;
+}
 
 static int thermoelastic_create(struct law *law, const struct scene_law *scene, int n_points, const int *variant)
 {
 	(void)n_points, (void)variant;
 	const struct scene_law_thermoelastic *s = &scene->thermoelastic;
-	CHECK(law_allocate(law, sizeof(struct model), sizeof(struct state)));
-	struct model *m = law->model;
+	CHECK(law_allocate(law, sizeof(struct thermoelastic_model), sizeof(struct thermoelastic_state)));
+	struct thermoelastic_model *m = law->model;
 	double lambda = s->young * s->poisson / ((1.0 + s->poisson) * (1.0 - 2.0 * s->poisson));
 	m->mu = s->young / (2.0 * (1.0 + s->poisson));
 	m->lambda_3d = lambda;
 	m->expansion = s->expansion;
 	m->neo_hookean = s->neo_hookean;
+	m->kernel = law_kernel_here();
 	double thermal = (3.0 * lambda + 2.0 * m->mu) * s->expansion;
 	if (s->plane_stress) {
 		m->lambda = 2.0 * lambda * m->mu / (lambda + 2.0 * m->mu);
@@ -87,42 +70,6 @@ static inline void log_left_stretch(const double F[4], double J, double h[3], do
 	*trace = ln_j;
 }
 
-/* Are the elastic principal stretches (h: xx, yy, xy, less the thermal strain) where the law may be trusted? */
-static inline bool hencky_valid(const double h[3], double thermal_strain)
-{
-	double mean = 0.5 * (h[0] + h[1]) - thermal_strain, d = 0.5 * (h[0] - h[1]);
-	double up = HENCKY_MOST - mean, down = mean - HENCKY_LEAST, room = up < down ? up : down;
-	return room >= 0.0 && d * d + h[2] * h[2] <= room * room;
-}
-
-/* Stress, modulus and stored energy of one point; returns tr(tau), or NAN if the point is turned inside out or
- * stretched too far. */
-static inline double hencky_respond(const struct model *m, const double F[4], double warming, double stress[4],
-									double *modulus, double *elastic)
-{
-	double J = mat2_determinant(F), h[3], trace, ij = 1.0 / J;
-	if (!(J > 0.0))
-		return NAN;
-	log_left_stretch(F, J, h, &trace);
-	if (!hencky_valid(h, m->expansion * warming))
-		return NAN;
-	double iso = m->lambda * trace - m->thermal * warming;
-	double xx = iso + 2.0 * m->mu * h[0], yy = iso + 2.0 * m->mu * h[1], xy = 2.0 * m->mu * h[2];
-	double zz = m->lambda_zz * trace - m->thermal_zz * warming;
-	stress[0] = xx * ij, stress[1] = yy * ij, stress[2] = zz * ij, stress[3] = xy * ij;
-	/* compression stiffens: d tau/d ln V - tau bounds the acoustic tensor */
-	double least = (xx < yy ? xx : yy) - fabs(xy);
-	*modulus = (m->modulus - (least < 0.0 ? least : 0.0)) * ij;
-	/* elastic strains e = h - alpha dT; out of the plane what plane strain holds back, or what makes zz vanish */
-	double free_strain = m->expansion * warming, exx = h[0] - free_strain, eyy = h[1] - free_strain;
-	double ezz = m->lambda_zz != 0.0 || m->thermal_zz != 0.0
-					 ? m->expansion_zz * warming
-					 : -m->lambda_3d / (m->lambda_3d + 2.0 * m->mu) * (exx + eyy);
-	double e = exx + eyy + ezz;
-	*elastic = 0.5 * m->lambda_3d * e * e + m->mu * (exx * exx + eyy * eyy + ezz * ezz + 2.0 * h[2] * h[2]);
-	return xx + yy + zz;
-}
-
 /* z - ln(1 + z), also where it is small. */
 static inline double log_excess(double z)
 {
@@ -132,9 +79,10 @@ static inline double log_excess(double z)
 	return z - log1p(z);
 }
 
-/* The same for the neo-Hookean kind; with e = be - I, so that small strains keep their digits. */
-static inline double neo_hookean_respond(const struct model *m, const double F[4], double warming, double stress[4],
-										 double *modulus, double *elastic)
+/* Stress, modulus and stored energy of one neo-Hookean point; returns tr(tau), or NAN if the point is turned inside
+ * out. With e = be - I, so that small strains keep their digits. */
+static inline double neo_hookean_respond(const struct thermoelastic_model *m, const double F[4], double warming,
+										 double stress[4], double *modulus, double *elastic)
 {
 	double J = mat2_determinant(F), ij = 1.0 / J, free_strain = m->expansion * warming;
 	if (!(J > 0.0))
@@ -172,18 +120,14 @@ static int left_domain(struct law_batch *batch, const struct law *law, int k)
 					 law->name, exp(mean - d), exp(mean + d), exp(HENCKY_LEAST), exp(HENCKY_MOST));
 }
 
-static inline __attribute__((always_inline)) int respond_all(const struct law *law, struct law_batch *batch,
-															 double time, bool neo_hookean)
+static int neo_hookean(const struct law *law, struct law_batch *batch, double time, int from, int to)
 {
-	const struct model *m = law->model;
-	int failed = batch->n;
-#pragma omp parallel for schedule(static) reduction(min : failed) if (batch->n >= 4096)
-	for (int k = 0; k < batch->n; k++) {
-		struct state *s = state_of(law, batch->slot[k]);
+	const struct thermoelastic_model *m = law->model;
+	int failed = to;
+	for (int k = from; k < to; k++) {
+		struct thermoelastic_state *s = state_of(law, batch->slot[k]);
 		double warming = s->warming + (time > 0.0 ? batch->dT[k] : 0.0), elastic = 0.0;
-		double pressure =
-			neo_hookean ? neo_hookean_respond(m, batch->F[k], warming, batch->stress[k], &batch->modulus[k], &elastic)
-						: hencky_respond(m, batch->F[k], warming, batch->stress[k], &batch->modulus[k], &elastic);
+		double pressure = neo_hookean_respond(m, batch->F[k], warming, batch->stress[k], &batch->modulus[k], &elastic);
 		batch->heat[k] = 0.0;
 		batch->conductivity[k][0] = batch->conductivity[k][1] = batch->conductivity[k][2] = 0.0;
 		if (isnan(pressure)) {
@@ -196,13 +140,14 @@ static inline __attribute__((always_inline)) int respond_all(const struct law *l
 		s->pressure = pressure;
 		s->elastic = elastic;
 	}
-	return failed < batch->n ? left_domain(batch, law, failed) : STATUS_OK;
+	return failed;
 }
 
 static int run_batch(const struct law *law, struct law_batch *batch, double time)
 {
-	const struct model *m = law->model;
-	return m->neo_hookean ? respond_all(law, batch, time, true) : respond_all(law, batch, time, false);
+	const struct thermoelastic_model *m = law->model;
+	int failed = law_each_block(law, batch, time, m->neo_hookean ? neo_hookean : m->kernel->hencky);
+	return failed < batch->n ? left_domain(batch, law, failed) : STATUS_OK;
 }
 
 static int thermoelastic_evaluate(const struct law *law, struct law_batch *batch) { return run_batch(law, batch, 0.0); }
@@ -212,8 +157,8 @@ static int thermoelastic_advance(struct law *law, struct law_batch *batch) { ret
 
 /* Change of tau and tau itself (xx, yy, xy) with F in the direction G.  For the logarithm of b = m I + d, d^2 = r^2 I,
  * see log_left_stretch(). */
-static void hencky_derivative(const struct model *m, const double F[4], const double G[4], double volumetric,
-							  double tau[3], double change[3])
+static void hencky_derivative(const struct thermoelastic_model *m, const double F[4], const double G[4],
+							  double volumetric, double tau[3], double change[3])
 {
 	double h[3], trace, J = mat2_determinant(F);
 	log_left_stretch(F, J, h, &trace);
@@ -233,8 +178,8 @@ static void hencky_derivative(const struct model *m, const double F[4], const do
 	change[2] = m->mu * (gk * bxy + k * gxy);
 }
 
-static void neo_hookean_derivative(const struct model *m, const double F[4], const double G[4], double volumetric,
-								   double tau[3], double change[3])
+static void neo_hookean_derivative(const struct thermoelastic_model *m, const double F[4], const double G[4],
+								   double volumetric, double tau[3], double change[3])
 {
 	double iso = m->lambda * log(mat2_determinant(F)), mu = m->mu;
 	tau[0] = mu * (F[0] * F[0] + F[1] * F[1] - 1.0) + iso, tau[1] = mu * (F[2] * F[2] + F[3] * F[3] - 1.0) + iso;
@@ -247,7 +192,7 @@ static void neo_hookean_derivative(const struct model *m, const double F[4], con
 /* dP = d tau F^-T - tau F^-T G^T F^-T */
 static void thermoelastic_piola_derivative(const struct law *law, const double F[4], const double G[4], double dP[4])
 {
-	const struct model *m = law->model;
+	const struct thermoelastic_model *m = law->model;
 	double inverse[4], g[4], tau[3], change[3];
 	mat2_inverse(F, inverse);
 	mat2_multiply(G, inverse, g); /* velocity gradient of the change */
@@ -267,7 +212,7 @@ static void thermoelastic_export(const struct law *law, int f, int n, const int 
 
 static void thermoelastic_ledger(const struct law *law, int slot, struct law_ledger *ledger)
 {
-	const struct state *s = state_of(law, slot);
+	const struct thermoelastic_state *s = state_of(law, slot);
 	*ledger = (struct law_ledger){.work = s->elastic - s->expansion, .elastic = s->elastic, .expansion = s->expansion};
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/mat2.h"
+#include "law/series.h"
 #include "mpm/mpm_private.h"
 
 #define INLINE static inline __attribute__((always_inline))
@@ -14,12 +15,9 @@
 /* Is everything a number?  The sum of the parts is one only if all are. */
 INLINE bool finite4(const double a[4]) { return isfinite(a[0] + a[1] + a[2] + a[3]); }
 
-/* exp(s), cosh(sqrt q2) and sinh(sqrt q2)/sqrt q2, to the last bit or so while |s| and q2 are less than these; of a
- * number or of a vector of them. */
-#define SERIES_MOST 0.01
+/* cosh(sqrt q2) and sinh(sqrt q2)/sqrt q2, to the last bit or so while |q2| is less than this; of a number or of a
+ * vector of them. */
 #define SERIES_MOST2 1e-4
-#define EXP_SERIES(s)                                                                                                  \
-	(1.0 + s * (1.0 + s * (1.0 / 2 + s * (1.0 / 6 + s * (1.0 / 24 + s * (1.0 / 120 + s * (1.0 / 720)))))))
 #define COSH_SERIES(q2) (1.0 + q2 * (1.0 / 2 + q2 * (1.0 / 24 + q2 * (1.0 / 720 + q2 * (1.0 / 40320)))))
 #define SINH_SERIES(q2) (1.0 + q2 * (1.0 / 6 + q2 * (1.0 / 120 + q2 * (1.0 / 5040 + q2 * (1.0 / 362880)))))
 

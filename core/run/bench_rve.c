@@ -212,7 +212,7 @@ static int cells_instructions(bool json, const struct bench_cells *cells, const 
 }
 
 static int bench_case(bool json, const struct bench_case *c, const struct rve_packing *packing, int path, int threads,
-					  double (*clock)(void), double *median_rate)
+					  double (*clock)(void), double *median_rate, double *state_bytes)
 {
 	struct bench_cells cells;
 	char name[64];
@@ -233,6 +233,8 @@ static int bench_case(bool json, const struct bench_case *c, const struct rve_pa
 	snprintf(name, sizeof name, "rve_%s_instructions", rve_path_name(path));
 	if (status == STATUS_OK && c == &cases[0])
 		status = cells_instructions(json, &cells, name);
+	if (status == STATUS_OK)
+		*state_bytes = (double)rve_state_bytes(cells.model);
 	cells_free(&cells);
 	omp_set_num_threads(1);
 	return status;
@@ -242,22 +244,28 @@ static int bench_case(bool json, const struct bench_case *c, const struct rve_pa
  * 55 more, 50 for the disc. */
 static const double flops = 220.0;
 
-static int bench_path(bool json, const struct rve_packing *packing, int path, double peak)
+static int bench_path(bool json, const struct rve_packing *packing, int path, double peak, double bandwidth)
 {
-	double rates[BENCH_CASES], both;
+	double rates[BENCH_CASES], both, bytes;
 	char name[64];
 	for (int c = 0; c < BENCH_CASES; c++)
-		CHECK(bench_case(json, &cases[c], packing, path, 1, thread_seconds, &rates[c]));
+		CHECK(bench_case(json, &cases[c], packing, path, 1, thread_seconds, &rates[c], &bytes));
 	/* twice as many flops in a vector of singles */
 	double share = rates[0] * flops / (path == RVE_SIMD_SINGLE ? 2.0 * peak : peak);
 	snprintf(name, sizeof name, "rve_%s_share", rve_path_name(path));
 	bench_report(json, name, &share, 1, "of multiply_add", 1);
+	snprintf(name, sizeof name, "rve_%s_state", rve_path_name(path));
+	bench_report(json, name, &bytes, 1, "B", 1);
+	/* each state once from memory and back in each sub-step */
+	share = 2.0 * bytes * rates[BENCH_CASES - 1] / DISCS / bandwidth;
+	snprintf(name, sizeof name, "rve_%s_scene_share", rve_path_name(path));
+	bench_report(json, name, &share, 1, "of copy", 1);
 	if (omp_get_num_procs() < 2)
 		return STATUS_OK;
 	/* by the clock; and by CPU time, which others on the machine disturb less, but which sees no waiting */
 	for (int cpu = 0; cpu < 2; cpu++) {
 		CHECK(bench_case(json, &cases[BENCH_CASES - 1], packing, path, 2, cpu ? half_process_seconds : wall_seconds,
-						 &both));
+						 &both, &bytes));
 		both *= 1.0 / rates[BENCH_CASES - 1];
 		snprintf(name, sizeof name, "rve_%s_speedup%s", rve_path_name(path), cpu ? "_cpu" : "");
 		bench_report(json, name, &both, 1, "by two threads", 2);
@@ -283,10 +291,10 @@ int bench_rve(bool json)
 	for (int k = 0; k < REPEATS; k++)
 		peak[k] = multiply_add(), bandwidth[k] = copy_bandwidth();
 	double most = bench_report(json, "multiply_add", peak, REPEATS, "flop/s", 1);
-	bench_report(json, "copy", bandwidth, REPEATS, "B/s", 1);
+	double copy = bench_report(json, "copy", bandwidth, REPEATS, "B/s", 1);
 	int status = STATUS_OK;
 	for (int path = RVE_SERIAL; path <= RVE_SIMD_SINGLE && status == STATUS_OK; path++)
-		status = bench_path(json, packing, path, most);
+		status = bench_path(json, packing, path, most, copy);
 	rve_packing_free(packing);
 	return status;
 }

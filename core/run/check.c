@@ -137,21 +137,41 @@ static int check_estimate(struct mpm *mpm, long long steps)
 	return STATUS_OK;
 }
 
-int run_check(const char *scene_path, int n_sets, const char *const *sets, int threads)
+/* Where RVEs are computed, and how many begin where. */
+static void check_devices(const struct mpm *mpm, const char *devices)
 {
+	if (!devices[0])
+		return;
+	printf("devices    %s\n", devices);
+	for (int l = 0; l < mpm->n_laws; l++) {
+		char shares[1024];
+		if (!mpm->laws[l]->type->shares)
+			continue;
+		mpm->laws[l]->type->shares(mpm->laws[l], shares, sizeof shares);
+		printf("           RVEs of %s: %s\n", mpm->laws[l]->name, shares);
+	}
+}
+
+int run_check(const char *scene_path, int n_sets, const char *const *sets, int threads, const char *device)
+{
+	char devices[1024] = "";
 	struct scene *scene;
 	struct mpm *mpm = NULL;
 	if (threads > 0)
 		omp_set_num_threads(threads);
 	CHECK(scene_load(&scene, scene_path, n_sets, sets, stderr));
 	int status = images_check(scene, stderr);
+	run_choose_paths(scene, device);
 	if (status == STATUS_OK)
 		status = mpm_create(&mpm, scene);
+	if (status == STATUS_OK)
+		status = run_use_devices(mpm, device, devices, sizeof devices);
 	if (status == STATUS_OK) {
 		printf("scene      %s%s%s\n", scene_path, scene->title[0] ? ": " : "", scene->title);
 		check_passes(mpm);
 		check_sizes(mpm);
 		check_step(mpm);
+		check_devices(mpm, devices);
 		fflush(stdout);
 		status = check_estimate(mpm, (long long)ceil(scene->time.end / scene->time.step - 1e-6));
 	}

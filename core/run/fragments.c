@@ -220,14 +220,19 @@ void fragments_free(struct fragments *fragments)
 struct fragment_summary fragments_summary(const struct fragments *fragments)
 {
 	struct fragment_summary s = {.count = fragments->count, .broken = fragments->broken};
-	double square = 0.0, n = fragments->count;
+	double square = 0.0, by_area = 0.0, area = 0.0, n = fragments->count;
 	for (int f = 0; f < fragments->count; f++) {
 		s.diameter_mean += fragments->list[f].diameter / n;
 		s.roundness_mean += fragments->list[f].roundness / n;
+		area += fragments->list[f].area;
 	}
 	for (int f = 0; f < fragments->count; f++)
+		s.area_mean += fragments->list[f].area / area * fragments->list[f].diameter;
+	for (int f = 0; f < fragments->count; f++) {
 		square += pow(fragments->list[f].diameter - s.diameter_mean, 2.0) / n;
-	s.diameter_deviation = sqrt(square);
+		by_area += fragments->list[f].area / area * pow(fragments->list[f].diameter - s.area_mean, 2.0);
+	}
+	s.diameter_deviation = sqrt(square), s.area_deviation = sqrt(by_area);
 	s.largest = fragments->count ? fragments->list[0].area : 0.0;
 	return s;
 }

@@ -34,10 +34,11 @@ struct fragments {
 	double broken;         /* m2, area of broken points */
 };
 
-/* What they are on average, by number. */
+/* What they are on average: by number, where the smallest count most, and by area, where the largest do. */
 struct fragment_summary {
 	int count;
-	double diameter_mean, diameter_deviation; /* m */
+	double diameter_mean, diameter_deviation; /* m, by number */
+	double area_mean, area_deviation;         /* m, of the diameter by area */
 	double roundness_mean;
 	double largest, broken;                   /* m2 */
 };

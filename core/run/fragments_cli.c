@@ -24,7 +24,8 @@ static const char help[] =
 	"(RUN_FOLDER/fragments):\n"
 	"  pieces.csv        of one snapshot, the largest first: area, mass, place, diameter of equal area, roundness\n"
 	"  distribution.csv  of the same: share of the pieces, and of their area, that are no wider than each diameter\n"
-	"  series.csv        of every snapshot: number, mean diameter and its deviation, roundness, largest, broken area\n"
+	"  series.csv        of every snapshot: number, mean diameter and its deviation (by number, and by area), roundness,\n"
+	"                    largest, broken area\n"
 	"  cracks.vtp        the middle of what is broken, as lines\n"
 	"pipelines/fragments_chart.py FOLDER... draws the distributions.\n"
 	"  --time T          s: the snapshot that is nearest (the last)\n";
@@ -266,7 +267,7 @@ static int series_row(struct csv_writer *csv, const char *snapshot, double *time
 	fragments_free(&f);
 	csv_number(csv, *time), csv_integer(csv, s.count), csv_number(csv, s.diameter_mean);
 	csv_number(csv, s.diameter_deviation), csv_number(csv, s.roundness_mean), csv_number(csv, s.largest);
-	csv_number(csv, s.broken);
+	csv_number(csv, s.broken), csv_number(csv, s.area_mean), csv_number(csv, s.area_deviation);
 	return csv_end_row(csv);
 }
 
@@ -280,7 +281,8 @@ static int write_series(const char *folder, char **list, int n, double wanted, i
 	CHECK(csv_create(&csv, path));
 	csv_name(csv, "time", "s"), csv_name(csv, "count", "-"), csv_name(csv, "diameter_mean", "m");
 	csv_name(csv, "diameter_deviation", "m"), csv_name(csv, "roundness", "-"), csv_name(csv, "largest", "m2");
-	csv_name(csv, "broken", "m2");
+	csv_name(csv, "broken", "m2"), csv_name(csv, "diameter_mean_by_area", "m");
+	csv_name(csv, "diameter_deviation_by_area", "m");
 	int status = csv_end_row(csv);
 	*nearest = n - 1;
 	for (int k = 0; k < n && status == STATUS_OK; k++) {

@@ -89,7 +89,7 @@ struct frame_image {
 	char before[FRAME_NAME]; /* an RVE that is drawn on its left, as it was before; "" = none */
 	double view[4];        /* m: xmin ymin xmax ymax; NAN = all there is (channel "grid" if sent) */
 	int32_t size[2];       /* pixels */
-	char map[FRAME_NAME];  /* viridis, inferno, coolwarm (diverging: an automatic range is symmetric) */
+	char map[FRAME_NAME];  /* viridis, inferno, coolwarm (diverging: an automatic range is symmetric, but of temperatures) */
 	char unit[FRAME_UNIT]; /* shown unit; "" = the array's, with an SI prefix that suits the numbers */
 	int32_t range_auto;    /* 1: from the data of each picture */
 	double range[2];       /* in `unit`, or in the array's unit where that is "" */

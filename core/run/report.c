@@ -208,10 +208,25 @@ static void report_outcome(struct json *json, const struct run *run, const char 
 	json_close(json, ']');
 }
 
+/* Which code computes, and where devices help: how many RVEs each of them has. */
+static void report_code_path(const struct run *run, char *path, size_t size)
+{
+	checkpoint_code_path(run->mpm, path, size);
+	for (int l = 0; run->devices && l < run->mpm->n_laws; l++) {
+		const struct law *law = run->mpm->laws[l];
+		char shares[CODE_PATH];
+		size_t used = strlen(path);
+		if (!law->type->shares)
+			continue;
+		law->type->shares(law, shares, sizeof shares);
+		snprintf(path + used, size - used, "; RVEs of %s: %s", law->name, shares);
+	}
+}
+
 static void report_fill(struct json *json, const struct run *run, const char *state)
 {
-	char code_path[CODE_PATH];
-	checkpoint_code_path(run->mpm, code_path, sizeof code_path);
+	char code_path[2 * CODE_PATH];
+	report_code_path(run, code_path, sizeof code_path);
 	json_open(json, NULL, '{');
 	json_text(json, "program", "tmdempm");
 	json_text(json, "version", TMDEMPM_VERSION);

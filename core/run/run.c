@@ -148,26 +148,23 @@ static int run_set_times(struct run *run)
 	return STATUS_OK;
 }
 
-/* RVEs whose path the scene leaves open are computed as the devices compute them, if there are any. */
-static void choose_paths(struct run *run)
+void run_choose_paths(struct scene *scene, const char *devices)
 {
-	const bool devices = rve_devices_any(run->options->device);
-	for (int l = 0; devices && l < run->scene->n_laws; l++)
-		if (run->scene->laws[l].type == SCENE_LAW_RVE && run->scene->laws[l].rve.path == SCENE_RVE_AUTO)
-			run->scene->laws[l].rve.path = SCENE_RVE_SERIAL;
+	const bool any = rve_devices_any(devices);
+	for (int l = 0; any && l < scene->n_laws; l++)
+		if (scene->laws[l].type == SCENE_LAW_RVE && scene->laws[l].rve.path == SCENE_RVE_AUTO)
+			scene->laws[l].rve.path = SCENE_RVE_SERIAL;
 }
 
-/* The laws that can, to the devices that --device names. */
-static int use_devices(struct run *run)
+int run_use_devices(struct mpm *mpm, const char *devices, char *note, size_t note_bytes)
 {
-	const char *devices = run->options->device;
-	for (int l = 0; l < run->mpm->n_laws && strcmp(devices, "cpu") != 0; l++) {
-		struct law *law = run->mpm->laws[l];
+	note[0] = '\0';
+	for (int l = 0; l < mpm->n_laws && strcmp(devices, "cpu") != 0; l++) {
+		struct law *law = mpm->laws[l];
 		if (law->type->use_devices)
-			CHECK(law->type->use_devices(law, devices, run->device_note, sizeof run->device_note));
+			CHECK(law->type->use_devices(law, devices, note, note_bytes));
 	}
-	run->devices = run->device_note[0] ? run->device_note : NULL;
-	if (!run->devices && strcmp(devices, "cpu") != 0 && strcmp(devices, "auto") != 0)
+	if (!note[0] && strcmp(devices, "cpu") != 0 && strcmp(devices, "auto") != 0)
 		return error_set(STATUS_INPUT,
 						 "--device %s: no law of this scene computes on devices, only RVEs do; leave the option out or "
 						 "say --device cpu",
@@ -192,12 +189,13 @@ static int run_prepare(struct run *run)
 	if (options->threads > 0)
 		omp_set_num_threads(options->threads);
 	run->threads = omp_get_max_threads();
-	choose_paths(run);
+	run_choose_paths(run->scene, options->device);
 	CHECK(mpm_create(&run->mpm, run->scene));
 	CHECK(history_memory_create(&run->memory, run->scene->n_regions, run->scene->n_cracks));
 	if (restart)
 		CHECK(checkpoint_read(options->restart, run->mpm, &run->memory, options->allow_path_change));
-	CHECK(use_devices(run));
+	CHECK(run_use_devices(run->mpm, options->device, run->device_note, sizeof run->device_note));
+	run->devices = run->device_note[0] ? run->device_note : NULL;
 	if (run->mpm->step > run->last_step)
 		return error_set(STATUS_INPUT, "%s stands at %.9g s, after the end of this run", options->restart,
 						 run->mpm->time);

@@ -26,7 +26,7 @@ struct run_options {
 int run_scene(const struct run_options *options);
 
 /* `tmdempm check`. */
-int run_check(const char *scene_path, int n_sets, const char *const *sets, int threads);
+int run_check(const char *scene_path, int n_sets, const char *const *sets, int threads, const char *device);
 
 /* `tmdempm info`. */
 int run_info(bool json);

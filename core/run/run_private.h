@@ -44,6 +44,13 @@ int checkpoint_write(const char *path, struct mpm *mpm, const struct history_mem
 enum { CODE_PATH = 512 };
 void checkpoint_code_path(const struct mpm *mpm, char *path, size_t size);
 
+/* RVEs whose path the scene leaves open are computed as devices (--device) compute them, if there are any. */
+void run_choose_paths(struct scene *scene, const char *devices);
+
+/* The laws that can, to these devices; `note` says what was chosen, "" if no law asks.  STATUS_INPUT if devices are named
+ * that no law can use, STATUS_RESOURCE if one of them cannot be used. */
+int run_use_devices(struct mpm *mpm, const char *devices, char *note, size_t note_bytes);
+
 /* Reads the state into an MPM made from the same scene. STATUS_INPUT if the file is of another scene (the
  * message names the first setting that differs), another code path, or broken.  Where the scene leaves the path of its
  * RVEs open, a law goes on on the path of its states; `allow_path_change`: these are converted to the path that the law

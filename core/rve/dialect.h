@@ -75,13 +75,20 @@ typedef long long int64;
 #define THREADFN static inline __attribute__((always_inline)) /* called by one thread, inside FOR_THREADS */
 
 #ifdef RVE_EMULATION
-extern _Thread_local int emulated_thread;
-extern int emulated_threads;
+/* what the tool defines; it runs one block at a time */
+extern _Thread_local int emulated_thread, emulated_block;
+extern int emulated_threads, emulated_blocks;
 void emulated_sync(void);
 #define THREAD emulated_thread
 #define THREADS emulated_threads
 #define SYNC() emulated_sync()
+#define ENTRY void
+#define SHARED_STRUCT(type, name) static type name
+#define BLOCK_NUMBER emulated_block
+#define BLOCK_COUNT emulated_blocks
+#define SPECIALISED 0
 #else
+#define SPECIALISED 1 /* inner loops once for each kind of contacts: faster, but long to compile and many registers */
 #define DIALECT_PRAGMA_(x) _Pragma(#x)
 #define FOR_THREADS_FROM(i, first, n) DIALECT_PRAGMA_(GCC ivdep) for (int i = (first); i < (n); i++)
 #define FOR_THREADS(i, n) FOR_THREADS_FROM(i, 0, n)
@@ -93,7 +100,6 @@ void emulated_sync(void);
 #define DIALECT_JOIN_(a, b) a##b
 #define DIALECT_JOIN(a, b) DIALECT_JOIN_(a, b)
 #define KERNEL(name) void DIALECT_JOIN(name, RVE_KERNEL_SUFFIX)
-#define SPECIALISED 1 /* inner loops once for each kind of contacts: faster, but long to compile and many registers */
 #define RVE_HOST /* the entry points of this processor are declared */
 
 #endif

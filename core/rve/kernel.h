@@ -64,11 +64,11 @@ struct rve_block {
 	index16 level_rows_old[RVE_LEVELS_MAX], level_first_old[RVE_LEVELS_MAX];
 };
 
-/* Where things are.  Every thread has the same. */
+/* Where things are. */
 struct rve_place {
-	const struct rve_layout *layout;
-	const struct rve_constants *constants;
-	const struct rve_call *call;
+	SHARED const struct rve_layout *layout;
+	SHARED const struct rve_constants *constants;
+	SHARED const struct rve_call *call;
 	GLOBAL const real *table;
 	GLOBAL struct rve_head *head;
 	GLOBAL unsigned char *state;
@@ -99,7 +99,7 @@ struct rve_place {
 #include "rve/kernel_neighbours.h"
 #include "rve/kernel_step.h"
 
-BLOCKFN void head_load(const struct rve_place *at)
+BLOCKFN void head_load(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	ONE_THREAD
@@ -114,7 +114,7 @@ BLOCKFN void head_load(const struct rve_place *at)
 	}
 }
 
-BLOCKFN void state_load(const struct rve_place *at)
+BLOCKFN void state_load(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	for (int f = 0; f < DISC_STATE_FIELDS; f++)
@@ -141,7 +141,7 @@ BLOCKFN void state_load(const struct rve_place *at)
 	rows_load(at);
 }
 
-BLOCKFN void state_store(const struct rve_place *at)
+BLOCKFN void state_store(SHARED const struct rve_place *at)
 {
 	for (int f = 0; f < DISC_STATE_FIELDS; f++)
 		FOR_THREADS(i, at->layout->n) STATE_DISC(f)[i] = WORK_ROW(f)[i];
@@ -154,28 +154,29 @@ BLOCKFN void state_store(const struct rve_place *at)
 
 #define FINE (block->status == KERNEL_OK)
 
-/* One RVE, call->sub_steps sub-steps.  `scratch` is layout->scratch bytes less those of a block, 64-byte aligned. */
-BLOCKFN void block_advance(const struct rve_layout *layout, const struct rve_constants *constants,
-						   const struct rve_call *call, GLOBAL const real *table, GLOBAL struct rve_head *head,
-						   GLOBAL unsigned char *state, SHARED struct rve_block *shared, LOCAL unsigned char *scratch, GLOBAL int *status)
+/* Where the arrays of scratch memory are: layout->scratch bytes less those of a block, 64-byte aligned. */
+THREADFN void place_scratch(SHARED struct rve_place *place, LOCAL unsigned char *scratch)
 {
-	struct rve_place place;
-	const struct rve_place *at = &place;
-	place.layout = layout, place.constants = constants, place.call = call;
-	place.table = table, place.head = head, place.state = state, place.block = shared;
-	place.row = (LOCAL real *)scratch;
-	place.pair = place.row + WORK_ROW_FIELDS * layout->stride;
-	place.rim = place.pair + WORK_PAIR_FIELDS * layout->pair_stride;
-	place.pair_index = (LOCAL int *)(place.rim + RIM_FIELDS * 4 * layout->stride);
-	place.row_index = place.pair_index + WORK_PAIR_INDICES * layout->pair_stride;
-	place.id_index = place.row_index + WORK_ROW_INDICES * layout->stride;
-	place.entry = place.id_index + ID_INDICES * layout->stride;
-	place.rim_id = place.entry + layout->levels * layout->stride;
-	place.cell_start = place.rim_id + 4 * layout->stride;
-	place.rim_start = place.cell_start + layout->grid * layout->grid + 1;
-	place.key_start = place.rim_start + (layout->grid + 2) * (layout->grid + 2) + 1;
-	place.neighbours = (LOCAL index16 *)(place.key_start + (layout->levels + 1) * (layout->levels + 1) + 1);
-	SHARED struct rve_block *block = place.block;
+	SHARED const struct rve_layout *layout = place->layout;
+	place->row = (LOCAL real *)scratch;
+	place->pair = place->row + WORK_ROW_FIELDS * layout->stride;
+	place->rim = place->pair + WORK_PAIR_FIELDS * layout->pair_stride;
+	place->pair_index = (LOCAL int *)(place->rim + RIM_FIELDS * 4 * layout->stride);
+	place->row_index = place->pair_index + WORK_PAIR_INDICES * layout->pair_stride;
+	place->id_index = place->row_index + WORK_ROW_INDICES * layout->stride;
+	place->entry = place->id_index + ID_INDICES * layout->stride;
+	place->rim_id = place->entry + layout->levels * layout->stride;
+	place->cell_start = place->rim_id + 4 * layout->stride;
+	place->rim_start = place->cell_start + layout->grid * layout->grid + 1;
+	place->key_start = place->rim_start + (layout->grid + 2) * (layout->grid + 2) + 1;
+	place->neighbours = (LOCAL index16 *)(place->key_start + (layout->levels + 1) * (layout->levels + 1) + 1);
+}
+
+/* One RVE, call->sub_steps sub-steps. */
+BLOCKFN void block_advance(SHARED const struct rve_place *at, GLOBAL int *status)
+{
+	SHARED const struct rve_call *call = at->call;
+	SHARED struct rve_block *block = at->block;
 
 	PHASE(head_load(at));
 	PHASE(state_load(at));
@@ -219,8 +220,15 @@ KERNEL(rve_kernel)
  GLOBAL const real *table, GLOBAL unsigned char *state, LOCAL unsigned char *scratch, int *status)
 {
 	struct rve_block *block = (struct rve_block *)(void *)scratch;
-	block_advance(layout, constants, call, table, (GLOBAL struct rve_head *)(void *)state, state, block,
-				  scratch + sizeof *block, status);
+	struct rve_place place = {.layout = layout,
+							  .constants = constants,
+							  .call = call,
+							  .table = table,
+							  .head = (struct rve_head *)(void *)state,
+							  .state = state,
+							  .block = block};
+	place_scratch(&place, scratch + sizeof *block);
+	block_advance(&place, status);
 }
 
 /* Bytes of scratch memory that the kernel needs. */

@@ -6,19 +6,19 @@
  * every list. */
 
 /* What bonds bear at the temperature of this sub-step. */
-THREADFN void bonds_soften(const struct rve_place *at)
+THREADFN void bonds_soften(SHARED const struct rve_place *at)
 {
 	at->block->bond_force = bond_bears(at->constants, at->block->bond_temperature, at->call->sub_steps);
 }
 
-BLOCKFN void bonds_load(const struct rve_place *at)
+BLOCKFN void bonds_load(SHARED const struct rve_place *at)
 {
 	const int slots = at->block->head.level_first[at->block->head.levels];
 	if (at->block->head.bonds_installed > 0)
 		FOR_THREADS(p, slots) WORK_PAIR(WORK_BOND)[p] = (real)STATE_FLAG[p];
 }
 
-BLOCKFN void bonds_store(const struct rve_place *at)
+BLOCKFN void bonds_store(SHARED const struct rve_place *at)
 {
 	const int slots = at->block->head.level_first[at->block->head.levels];
 	if (at->block->head.bonds_installed > 0)

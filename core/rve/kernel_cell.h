@@ -21,7 +21,7 @@ THREADFN void cell_invert(const SHARED real *H, SHARED real *H_inv)
 }
 
 /* H <- A H */
-THREADFN void cell_step(const real *A, SHARED real *H)
+THREADFN void cell_step(SHARED const real *A, SHARED real *H)
 {
 	real xx = A[0] * H[0] + A[1] * H[2], xy = A[0] * H[1] + A[1] * H[3];
 	real yx = A[2] * H[0] + A[3] * H[2], yy = A[2] * H[1] + A[3] * H[3];

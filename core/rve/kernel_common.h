@@ -52,7 +52,7 @@ enum {
 
 /* What a bond bears at T (K, absolute) / (r_i + r_j), N/m: beta(T) of eq. 40, a step at T_c or linear below it.  Above
  * T_c nothing holds, however it is pressed. */
-THREADFN real bond_bears(const struct rve_constants *c, const real T, const int sub_steps)
+THREADFN real bond_bears(SHARED const struct rve_constants *c, const real T, const int sub_steps)
 {
 	real share = c->bond_slope > 0.0 ? real_min((c->bond_melting - T) * c->bond_slope, 1.0) : 1.0;
 	real bears = T > c->bond_melting ? -BOND_UNBREAKABLE : c->bond_force * share;
@@ -70,7 +70,7 @@ THREADFN real stiffest(const SHARED real *C)
 }
 
 /* Is a list still right after the two largest non-affine ways (m)?  kernel_neighbours.h says why. */
-THREADFN int list_valid(const SHARED struct rve_head *head, const struct rve_constants *c, const real scale,
+THREADFN int list_valid(const SHARED struct rve_head *head, SHARED const struct rve_constants *c, const real scale,
 						const real first, const real second)
 {
 	real stretch = real_min(cell_least_stretch(head->H, head->H_ref), 1.0);
@@ -80,10 +80,10 @@ THREADFN int list_valid(const SHARED struct rve_head *head, const struct rve_con
 }
 
 /* What a state says of itself, and its ledgers, from the sums over its contacts and discs. */
-THREADFN void head_from_totals(SHARED struct rve_head *head, const struct rve_constants *c, const struct rve_call *call,
-							   const int n, const real scale_step, const real total[LANE_TOTALS])
+THREADFN void head_from_totals(SHARED struct rve_head *head, SHARED const struct rve_constants *c,
+							   SHARED const struct rve_call *call, const int n, const real scale_step, const real total[LANE_TOTALS])
 {
-	const real *D = call->D;
+	SHARED const real *D = call->D;
 	real v = 1.0 / cell_volume(head->H, c->thickness);
 	if (call->sub_steps > 0) {
 		/* trapezoid: the sums hold every configuration after a sub-step whole, the first one not at all */

@@ -9,7 +9,7 @@
 enum { FOLDED = 16 }; /* lanes */
 
 /* The two largest ways of all lanes, in the first FOLDED. */
-BLOCKFN void displacements_fold(const struct rve_place *at)
+BLOCKFN void displacements_fold(SHARED const struct rve_place *at)
 {
 	SHARED real *most = at->block->lanes[LANE_DISPLACEMENT], *second = at->block->lanes[LANE_SECOND];
 	for (int from = FOLDED; from < LANES; from += FOLDED)
@@ -22,7 +22,7 @@ BLOCKFN void displacements_fold(const struct rve_place *at)
 }
 
 /* Is the list still right?  The same for all threads. */
-BLOCKFN int neighbours_valid(const struct rve_place *at)
+BLOCKFN int neighbours_valid(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	SHARED const real *most = block->lanes[LANE_DISPLACEMENT], *second = block->lanes[LANE_SECOND];
@@ -35,7 +35,7 @@ BLOCKFN int neighbours_valid(const struct rve_place *at)
 }
 
 /* Ends the discs' stretch of motion since the last build: its displacement is booked, places are in the reduced cell. */
-BLOCKFN void discs_rebase(const struct rve_place *at)
+BLOCKFN void discs_rebase(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	const real hxx = block->head.H[0], hxy = block->head.H[1], hyx = block->head.H[2], hyy = block->head.H[3];
@@ -58,7 +58,7 @@ BLOCKFN void discs_rebase(const struct rve_place *at)
 }
 
 /* The cell itself, when all discs have seen what it was. */
-BLOCKFN void cell_rebase(const struct rve_place *at)
+BLOCKFN void cell_rebase(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	ONE_THREAD
@@ -81,7 +81,7 @@ THREADFN int clamp_cell(real x, int least, int most)
 
 /* The cell of a grid that each disc is in, each at least one reach wide.  Sets block->status if the cell of the discs has
  * become too slender for a list. */
-BLOCKFN void discs_bin(const struct rve_place *at)
+BLOCKFN void discs_bin(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	LOCAL const real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY);
@@ -102,7 +102,7 @@ BLOCKFN void discs_bin(const struct rve_place *at)
 }
 
 /* Discs sorted into those cells by counting; where the images of a rim all around will stand. */
-BLOCKFN void discs_sort(const struct rve_place *at)
+BLOCKFN void discs_sort(SHARED const struct rve_place *at)
 {
 	LOCAL const int *cell = WORK_ROW_INDEX(WORK_CELL);
 	LOCAL int *sorted = WORK_ROW_INDEX(WORK_SORTED), *start = at->cell_start, *rim_start = at->rim_start;
@@ -133,7 +133,7 @@ BLOCKFN void discs_sort(const struct rve_place *at)
 
 /* Discs once more, with that rim and their places in metres, so that a disc's neighbours stand in three rows of cells
  * side by side. */
-BLOCKFN void rim_fill(const struct rve_place *at)
+BLOCKFN void rim_fill(SHARED const struct rve_place *at)
 {
 	SHARED const struct rve_block *block = at->block;
 	LOCAL const real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY), *radius = WORK_ROW(WORK_R);
@@ -162,7 +162,7 @@ BLOCKFN void rim_fill(const struct rve_place *at)
 /* The neighbours of the disc in a row: a list of those whose pairs it owns, and how many others there are.  Of two
  * discs of even and odd index the lower one owns the pair, else the higher one: half of each disc's pairs, and always
  * the same.  More than the capacity are not all in the list. */
-THREADFN void neighbours_of(const struct rve_place *at, int row)
+THREADFN void neighbours_of(SHARED const struct rve_place *at, int row)
 {
 	const int columns = at->block->grid[0] + 2, nx = at->block->grid[0], capacity = at->layout->levels;
 	const int id = WORK_ROW_INDEX(WORK_ID)[row];
@@ -189,10 +189,10 @@ THREADFN void neighbours_of(const struct rve_place *at, int row)
 	WORK_ID_INDEX(ID_OTHERS)[id] = near - 1 - owned; /* it is near itself */
 }
 
-BLOCKFN void neighbours_find(const struct rve_place *at) { FOR_THREADS(i, at->layout->n) neighbours_of(at, i); }
+BLOCKFN void neighbours_find(SHARED const struct rve_place *at) { FOR_THREADS(i, at->layout->n) neighbours_of(at, i); }
 
 /* What the pairs of the old list remember, out of the way of the new one. */
-BLOCKFN void history_keep(const struct rve_place *at)
+BLOCKFN void history_keep(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	const int slots = block->head.level_first[block->head.levels];
@@ -222,7 +222,7 @@ BLOCKFN void history_keep(const struct rve_place *at)
 /* New rows: by how many pairs a disc owns, the most first, then by how many others it has, the fewest first (who owns
  * many has few others, so that the levels of entries have few holes).  Sizes of the levels.  Sets block->status if the
  * cell has become too crowded; does nothing if it has one already. */
-BLOCKFN void rows_sort(const struct rve_place *at)
+BLOCKFN void rows_sort(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	LOCAL const int *owned = WORK_ID_INDEX(ID_OWNED), *others = WORK_ID_INDEX(ID_OTHERS);
@@ -269,7 +269,7 @@ BLOCKFN void rows_sort(const struct rve_place *at)
 }
 
 /* The constants of the discs, in rows. */
-BLOCKFN void rows_load(const struct rve_place *at)
+BLOCKFN void rows_load(SHARED const struct rve_place *at)
 {
 	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID);
 	FOR_THREADS(i, at->layout->stride)
@@ -286,7 +286,7 @@ BLOCKFN void rows_load(const struct rve_place *at)
 #define MOVED32(f) MOVED(WORK_ROTATION + 1 + (f)-DISC32_UX)
 typedef char moved_fit[WORK_ROTATION + 1 + DISC32_ROTATION - DISC32_UX < RIM_FIELDS * 4 ? 1 : -1];
 
-BLOCKFN void rows_leave(const struct rve_place *at)
+BLOCKFN void rows_leave(SHARED const struct rve_place *at)
 {
 	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *old_row = WORK_ID_INDEX(ID_ROW_OLD);
 	for (int f = WORK_SX; f <= WORK_ROTATION; f++) {
@@ -301,7 +301,7 @@ BLOCKFN void rows_leave(const struct rve_place *at)
 	}
 }
 
-BLOCKFN void rows_enter(const struct rve_place *at)
+BLOCKFN void rows_enter(SHARED const struct rve_place *at)
 {
 	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID);
 	const int n = at->layout->n;
@@ -325,7 +325,7 @@ BLOCKFN void rows_enter(const struct rve_place *at)
 }
 
 /* The pairs of one level with what they remember, and its pairs to the ghost. */
-BLOCKFN void pairs_of_level(const struct rve_place *at, int level)
+BLOCKFN void pairs_of_level(SHARED const struct rve_place *at, int level)
 {
 	SHARED const struct rve_block *block = at->block;
 	LOCAL const int *id = WORK_ROW_INDEX(WORK_ID), *new_row = WORK_ID_INDEX(ID_ROW),
@@ -360,7 +360,7 @@ BLOCKFN void pairs_of_level(const struct rve_place *at, int level)
 	}
 }
 
-BLOCKFN void pairs_write(const struct rve_place *at)
+BLOCKFN void pairs_write(SHARED const struct rve_place *at)
 {
 	for (int level = 0; level < at->block->head.levels; level++)
 		pairs_of_level(at, level);
@@ -368,7 +368,7 @@ BLOCKFN void pairs_write(const struct rve_place *at)
 }
 
 /* Which slots each disc gathers as a pair's j.  A short walk, done by one thread. */
-BLOCKFN void entries_collect(const struct rve_place *at)
+BLOCKFN void entries_collect(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	LOCAL int *degree = WORK_ROW_INDEX(WORK_DEGREE), *entry = WORK_ENTRY(0);
@@ -395,7 +395,7 @@ BLOCKFN void entries_collect(const struct rve_place *at)
 }
 
 /* Those that have fewer than others gather the slot without a force. */
-BLOCKFN void entries_write(const struct rve_place *at)
+BLOCKFN void entries_write(SHARED const struct rve_place *at)
 {
 	LOCAL const int *degree = WORK_ROW_INDEX(WORK_DEGREE);
 	for (int level = 0; level < at->block->head.entry_levels; level++) {
@@ -411,7 +411,7 @@ BLOCKFN void entries_write(const struct rve_place *at)
 }
 
 /* The slot that holds no force, for discs with fewer entries than others. */
-BLOCKFN void slots_clear(const struct rve_place *at)
+BLOCKFN void slots_clear(SHARED const struct rve_place *at)
 {
 	ONE_THREAD
 	{

@@ -1,10 +1,10 @@
 /* One sub-step: move, contact forces, gather, kick; and the homogenisation.  Included by kernel.h only. */
 
 /* The cell; radii grow. */
-BLOCKFN void cell_move(const struct rve_place *at)
+BLOCKFN void cell_move(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	const struct rve_call *call = at->call;
+	SHARED const struct rve_call *call = at->call;
 	ONE_THREAD
 	{
 		for (int k = 0; k < 4; k++)
@@ -20,10 +20,10 @@ BLOCKFN void cell_move(const struct rve_place *at)
 }
 
 /* The discs in the cell; velocities turn and thin out with it. */
-BLOCKFN void discs_move(const struct rve_place *at)
+BLOCKFN void discs_move(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
-	const struct rve_call *call = at->call;
+	SHARED const struct rve_call *call = at->call;
 	const real gxx = block->drift[0], gxy = block->drift[1], gyx = block->drift[2], gyy = block->drift[3];
 	LOCAL real *sx = WORK_ROW(WORK_SX), *sy = WORK_ROW(WORK_SY);
 	LOCAL real *vx = WORK_ROW(WORK_VX), *vy = WORK_ROW(WORK_VY);
@@ -65,10 +65,10 @@ enum { BONDS_ABSENT, BONDS_PRESENT, BONDS_TEAR };
  * that what its dashpot takes is the same expression as a contact's.  What is stored in a bond when it breaks, less
  * what the contact that is left still stores, is released: the work of the sub-step's mean forces and the change of the
  * stored energy say how much, 1/2 kn delta_old delta of the normal spring where it pulled. */
-BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, const int last, const int bonds)
+BLOCKFN void contacts_of_level(SHARED const struct rve_place *at, const int level, const int last, const int bonds)
 {
 	SHARED struct rve_block *block = at->block;
-	const struct rve_constants *constants = at->constants;
+	SHARED const struct rve_constants *constants = at->constants;
 	const real kn = constants->kn, ks = constants->ks, mu = constants->mu, dt = constants->dt;
 	const real half_compliance = 0.5 / ks, half_softness = 0.5 / kn;
 	const real bond_force = block->bond_force, bond_mu = constants->bond_mu;
@@ -189,7 +189,7 @@ BLOCKFN void contacts_of_level(const struct rve_place *at, const int level, cons
 
 /* Forces and torques of all discs as the i of their pairs.  Levels need not wait for each other: a disc is always the
  * same lane's. */
-BLOCKFN void contacts_of_kind(const struct rve_place *at, const int last, const int bonds)
+BLOCKFN void contacts_of_kind(SHARED const struct rve_place *at, const int last, const int bonds)
 {
 	LOCAL real *fx = WORK_ROW(WORK_FX), *fy = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
 	for (int base = 0; base < at->layout->stride; base += LANES) {
@@ -201,7 +201,7 @@ BLOCKFN void contacts_of_kind(const struct rve_place *at, const int last, const 
 }
 
 /* The same, compiled once for each kind where that pays. */
-BLOCKFN void contacts(const struct rve_place *at, const int last, const int bonded)
+BLOCKFN void contacts(SHARED const struct rve_place *at, const int last, const int bonded)
 {
 	if (!SPECIALISED)
 		contacts_of_kind(at, last, bonded ? BONDS_PRESENT : BONDS_ABSENT);
@@ -216,14 +216,14 @@ BLOCKFN void contacts(const struct rve_place *at, const int last, const int bond
 }
 
 /* Breaks the bonds that the motion of this sub-step has parted too far, while the old list still has them. */
-BLOCKFN void bonds_tear(const struct rve_place *at)
+BLOCKFN void bonds_tear(SHARED const struct rve_place *at)
 {
 	for (int level = 0; level < at->block->head.levels; level++)
 		contacts_of_level(at, level, 0, BONDS_TEAR);
 }
 
 /* And as the j of their pairs, once all are there. */
-BLOCKFN void gather(const struct rve_place *at)
+BLOCKFN void gather(SHARED const struct rve_place *at)
 {
 	SHARED const struct rve_head *head = &at->block->head;
 	LOCAL real *fx = WORK_ROW(WORK_FX), *fy = WORK_ROW(WORK_FY), *torque = WORK_ROW(WORK_TORQUE);
@@ -240,7 +240,7 @@ BLOCKFN void gather(const struct rve_place *at)
 	}
 }
 
-BLOCKFN void kick(const struct rve_place *at, const int moves)
+BLOCKFN void kick(SHARED const struct rve_place *at, const int moves)
 {
 	const real dt = at->constants->dt;
 	LOCAL real *vx = WORK_ROW(WORK_VX), *vy = WORK_ROW(WORK_VY), *w = WORK_ROW(WORK_W);
@@ -259,7 +259,7 @@ BLOCKFN void kick(const struct rve_place *at, const int moves)
 }
 
 /* Sums over discs of the last configuration.  Kinetic energy is centred on the time of the positions. */
-BLOCKFN void discs_measure(const struct rve_place *at)
+BLOCKFN void discs_measure(SHARED const struct rve_place *at)
 {
 	SHARED real(*sum)[LANES] = at->block->lanes;
 	LOCAL const real *vx = WORK_ROW(WORK_VX), *vy = WORK_ROW(WORK_VY), *w = WORK_ROW(WORK_W);
@@ -285,7 +285,7 @@ BLOCKFN void discs_measure(const struct rve_place *at)
 }
 
 /* One turn of adding up the lanes: after width = LANES / 2, LANES / 4 .. 1 field q is in lanes[q][0]. */
-BLOCKFN void lanes_halve(const struct rve_place *at, const int width)
+BLOCKFN void lanes_halve(SHARED const struct rve_place *at, const int width)
 {
 	SHARED struct rve_block *block = at->block;
 	for (int q = 0; q < LANE_SUMS; q++)
@@ -296,7 +296,7 @@ BLOCKFN void lanes_halve(const struct rve_place *at, const int width)
 }
 
 /* Stress, conductivity, elasticity and ledgers from the sums. */
-BLOCKFN void homogenise(const struct rve_place *at)
+BLOCKFN void homogenise(SHARED const struct rve_place *at)
 {
 	SHARED struct rve_block *block = at->block;
 	ONE_THREAD

@@ -23,6 +23,7 @@ struct member {
 	const struct rve_backend *backend;
 	struct rve_device *device;
 	int number;
+	struct rve_device_info info;
 	struct rve_task *tasks;
 	int *entry; /* the batch's number of each task */
 	int n;      /* tasks of this call */
@@ -95,19 +96,47 @@ int rve_devices_check(const char *devices)
 	}
 }
 
-int rve_devices_any(const char *devices)
+static void say(char *note, size_t bytes, const char *format, ...) __attribute__((format(printf, 3, 4)));
+static void say(char *note, size_t bytes, const char *format, ...)
 {
-	if (strcmp(devices, "auto") != 0)
-		return strcmp(devices, "cpu") != 0;
+	size_t used = strlen(note);
+	va_list arguments;
+	va_start(arguments, format);
+	vsnprintf(note + used, bytes - used, format, arguments);
+	va_end(arguments);
+}
+
+/* Whether `auto` may take this device; if not, `note` says why. */
+static int is_fit(const struct rve_backend *backend, int number, const struct rve_device_info *device, char *note,
+				  size_t bytes)
+{
+	const int fit = device->is_gpu && !device->unfit[0];
+	if (!fit)
+		say(note, bytes, "%s:%d %s: %s; ", backend->name, number, device->name,
+			device->unfit[0] ? device->unfit : "no GPU");
+	return fit;
+}
+
+/* Whether there is a device that `auto` may take; if not, `note` says why. */
+static int find_any(char *note, size_t bytes)
+{
+	struct rve_device_info devices[RVE_DEVICES_MOST];
 	for (int b = 0; rve_backends[b]; b++) {
-		struct rve_device_info found[RVE_DEVICES_MOST];
-		char why[256];
-		int n = rve_backends[b]->list(found, RVE_DEVICES_MOST, why, sizeof why);
+		char why[256] = "";
+		const int n = rve_backends[b]->list(devices, RVE_DEVICES_MOST, why, sizeof why);
 		for (int k = 0; k < n; k++)
-			if (found[k].is_gpu && !found[k].unfit[0])
+			if (is_fit(rve_backends[b], k, &devices[k], note, bytes))
 				return 1;
+		if (n == 0)
+			say(note, bytes, "%s: %s; ", rve_backends[b]->name, why);
 	}
 	return 0;
+}
+
+int rve_devices_any(const char *devices)
+{
+	char note[512] = "";
+	return strcmp(devices, "auto") != 0 ? strcmp(devices, "cpu") != 0 : find_any(note, sizeof note);
 }
 
 static int open_member(struct rve_pool *p, const struct rve_backend *backend, int number, int threads)
@@ -118,22 +147,16 @@ static int open_member(struct rve_pool *p, const struct rve_backend *backend, in
 		tables[v] = model->variants[v].table;
 	const struct rve_device_setup setup = {&model->layout, &model->constants, model->n_variants, tables, p->n, threads};
 	struct member *m = &p->members[p->n_members];
+	struct rve_device_info devices[RVE_DEVICES_MOST];
+	char why[256];
 	*m = (struct member){.backend = backend, .number = number};
 	CHECK(backend->open(&m->device, number, &setup));
+	if (number < backend->list(devices, RVE_DEVICES_MOST, why, sizeof why))
+		m->info = devices[number];
 	p->n_members++;
 	m->tasks = calloc((size_t)p->n + 1, sizeof *m->tasks);
 	m->entry = calloc((size_t)p->n + 1, sizeof *m->entry);
 	return m->tasks && m->entry ? STATUS_OK : error_set(STATUS_RESOURCE, "out of memory for %d RVEs", p->n);
-}
-
-static void say(char *note, size_t bytes, const char *format, ...) __attribute__((format(printf, 3, 4)));
-static void say(char *note, size_t bytes, const char *format, ...)
-{
-	size_t used = strlen(note);
-	va_list arguments;
-	va_start(arguments, format);
-	vsnprintf(note + used, bytes - used, format, arguments);
-	va_end(arguments);
 }
 
 /* The first GPU that can be opened. */
@@ -145,10 +168,8 @@ static void open_any(struct rve_pool *p, int threads, char *note, size_t bytes)
 		char why[256] = "";
 		int n = rve_backends[b]->list(devices, RVE_DEVICES_MOST, why, sizeof why);
 		for (int k = 0; k < n && p->n_members == 0; k++) {
-			if (!devices[k].is_gpu || devices[k].unfit[0])
-				say(note, bytes, "%s:%d %s: %s; ", rve_backends[b]->name, k, devices[k].name,
-					devices[k].unfit[0] ? devices[k].unfit : "no GPU");
-			else if (open_member(p, rve_backends[b], k, threads) != STATUS_OK)
+			if (is_fit(rve_backends[b], k, &devices[k], note, bytes) &&
+				open_member(p, rve_backends[b], k, threads) != STATUS_OK)
 				say(note, bytes, "%s; ", error_message());
 		}
 		if (n == 0)
@@ -183,13 +204,9 @@ static void deal_out(struct rve_pool *p)
 
 static void name_members(const struct rve_pool *p, char *note, size_t bytes)
 {
-	for (int m = 0; m < p->n_members; m++) {
-		struct rve_device_info devices[RVE_DEVICES_MOST] = {0};
-		char why[256];
-		p->members[m].backend->list(devices, RVE_DEVICES_MOST, why, sizeof why);
+	for (int m = 0; m < p->n_members; m++)
 		say(note, bytes, "%s%s:%d %s (%s)", m ? ", " : "", p->members[m].backend->name, p->members[m].number,
-			devices[p->members[m].number].name, devices[p->members[m].number].driver);
-	}
+			p->members[m].info.name, p->members[m].info.driver);
 	say(note, bytes, "%s", p->n_members == 0 ? "cpu" : p->with_cpu ? ", cpu" : "");
 }
 
@@ -211,8 +228,12 @@ int rve_pool_create(struct rve_pool **pool, const struct rve_model *model, unsig
 						 "--device %s: devices compute what the path \"serial\" does, these RVEs are of the path \"%s\": leave out "
 						 "rve.path or the device; a restart takes --allow-path-change",
 						 devices, rve_path_name(model->params.path));
-	if (model->packed)
+	if (model->packed && !find_any(note, note_bytes))
+		return say(note, note_bytes, "cpu"), STATUS_OK;
+	if (model->packed) {
+		note[0] = '\0';
 		return say(note, note_bytes, "cpu (devices have no path \"%s\")", rve_path_name(model->params.path)), STATUS_OK;
+	}
 	struct rve_pool *p = calloc(1, sizeof *p);
 	if (!p)
 		return error_set(STATUS_RESOURCE, "out of memory for %d RVEs", n);
@@ -472,7 +493,7 @@ void rve_pool_shares(const struct rve_pool *p, char *words, size_t bytes)
 		for (int slot = 0; slot < p->n; slot++)
 			n += p->home[slot] == m;
 		here -= n;
-		say(words, bytes, "%s:%d %d, ", p->members[m].backend->name, p->members[m].number, n);
+		say(words, bytes, "%s:%d %s %d, ", p->members[m].backend->name, p->members[m].number, p->members[m].info.name, n);
 	}
 	say(words, bytes, "cpu %d", here);
 }

@@ -37,7 +37,7 @@ int rve_pool_fetch(struct rve_pool *pool, int slot);
 /* The caller has changed the state of this slot (all: -1) in its memory, whole.  May come without a pool. */
 void rve_pool_touched(struct rve_pool *pool, int slot);
 
-/* Where RVEs are now, for reports: "opencl:0 1500, cpu 100". */
+/* How many RVEs are where now, for reports: "opencl:0 NAME 1500, cpu 100". */
 void rve_pool_shares(const struct rve_pool *pool, char *words, size_t bytes);
 
 #endif

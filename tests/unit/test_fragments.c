@@ -65,6 +65,13 @@ static void test_pieces(void **state)
 		assert_true((f.label[k] < 0) == (b.damage[k] >= 0.9));
 	struct fragment_summary s = fragments_summary(&f);
 	assert_near(s.diameter_mean, (f.list[0].diameter + f.list[1].diameter + f.list[2].diameter) / 3.0, 1e-12);
+	double by_area = 0.0, area = 0.0, square = 0.0;
+	for (int k = 0; k < 3; k++)
+		by_area += f.list[k].area * f.list[k].diameter, area += f.list[k].area;
+	assert_near(s.area_mean, by_area / area, 1e-12);
+	for (int k = 0; k < 3; k++)
+		square += f.list[k].area * pow(f.list[k].diameter - s.area_mean, 2.0) / area;
+	assert_near(s.area_deviation, sqrt(square), 1e-12);
 	assert_near(s.largest, 200.0, 1e-9);
 	fragments_free(&f);
 }

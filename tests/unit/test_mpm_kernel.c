@@ -15,7 +15,7 @@
 #include "mpm/point.h"
 #include "rve/model.h"
 
-enum { KINDS = 9 };
+enum { KINDS = 11 };
 
 /* Two blocks, one of which turns, that meet; each kind asks for other parts of the passes. */
 static struct scene *kind_of_scene(struct elastic_scene *s, const char *shape, int kind)
@@ -48,6 +48,20 @@ static struct scene *kind_of_scene(struct elastic_scene *s, const char *shape, i
 		scene->mpm.confining_pressure = 1e3;
 	if (kind == 8)
 		elastic_scene_contact(s, 0.3);
+	if (kind == 9) /* this law holds less */
+		s->laws[0].thermoelastic.neo_hookean = false, scene->bodies[0].velocity[0] = 0.5,
+		scene->bodies[1].velocity[0] = -0.5;
+	if (kind == 10) { /* they break each other */
+		s->laws[0].type = SCENE_LAW_RANKINE;
+		s->laws[0].rankine = (struct scene_law_rankine){.young = 1e5,
+														.poisson = 0.2,
+														.expansion = 1e-4,
+														.strength = 500.0,
+														.fracture_energy = 5.0,
+														.heat_share = 1.0,
+														.cell = 0.1};
+		elastic_scene_contact(s, 0.3)->cracks = true;
+	}
 	return scene;
 }
 
@@ -91,6 +105,10 @@ static void test_instruction_sets(void **state)
 				assert_same_points(mpm[0], mpm[k]);
 				assert_true(same(&mpm[0]->ledger, &mpm[k]->ledger, sizeof mpm[0]->ledger));
 			}
+			int broken = 0;
+			for (int q = 0; q < mpm[0]->p.n && kind == 10; q++)
+				broken += mpm[0]->p.damage[q] == 1.0;
+			assert_true(kind != 10 || (broken > 5 && broken < mpm[0]->p.n));
 			for (int k = 0; k < 3; k++)
 				mpm_free(mpm[k]);
 		}

@@ -1,4 +1,4 @@
-/* timeout: 120 */
+/* timeout: 180 */
 /* The RVE engine as a machine: its bits, its lists, its sums, its refusals. */
 #include <omp.h>
 #include <setjmp.h>
