@@ -1,3 +1,4 @@
+# labels: slow
 # timeout: 180
 """What can befall a live connection: nobody listens, a host that swallows packets, a client that hangs, a viewer that is
 killed, once and again.  The run neither ends nor waits, and nothing of it is left."""

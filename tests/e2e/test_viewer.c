@@ -1,4 +1,5 @@
-/* timeout: 240 */
+/* labels: slow
+ * timeout: 240 */
 /* The viewer process: pictures of the asked size and colours; and whatever befalls it, the engine goes on and
  * nothing is left behind.  Pictures stay in build/tests/pictures for people to look at. */
 #include <math.h>
